@@ -18,7 +18,7 @@ TICKS = os.sysconf("SC_CLK_TCK")
 def cpu_s(pid):
     """CPU seconds of a process, of its ended children and of those that still run."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    children = [child for task in Path(f"/proc/{pid}/task").iterdir() for child in (task / "children").read_text().split()]
     return sum(map(int, fields[11:15])) / TICKS + sum(cpu_s(int(child)) for child in children)
 
 

@@ -1,5 +1,5 @@
 use serde_json::{Value, json};
-use spec::{FieldError, Job, Vocabulary};
+use spec::{FieldError, Job, KnownNetwork, Vocabulary};
 
 /// Test names; `local` allows files.
 pub(crate) fn vocabulary(local: bool) -> Vocabulary {
@@ -27,7 +27,7 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
         waters: [("quay".to_owned(), water)].into(),
         styles: names(&["atlantic", "mediterranean", "muddy", "ranged"]),
         range_styles: names(&["ranged"]),
-        enhancers: Vec::new(),
+        enhancers: vec![network("for-64x48", Some([64, 48])), network("for-any", None)],
         metric_networks: Vec::new(),
         path_metrics: names(&["matches"]),
         metrics: names(&[
@@ -46,6 +46,14 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
             .map(|(name, ids)| (name.to_owned(), ids.into_iter().map(str::to_owned).collect()))
             .into(),
         local,
+    }
+}
+
+fn network(name: &str, size: Option<[usize; 2]>) -> KnownNetwork {
+    KnownNetwork {
+        name: name.to_owned(),
+        digest: String::new(),
+        size,
     }
 }
 

@@ -15,12 +15,12 @@ const FRAMES: u64 = 300;
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn the_same_frames_from_many_callers_become_one_image_each() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", FRAMES, 0).await;
-    at.job("job_b", "bay", 50, 0).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", FRAMES, 0).await;
+    db.job("job_b", "bay", 50, 0).await;
     let mut tasks = JoinSet::new();
     for caller in 0..12u64 {
-        let catalogue = Arc::clone(&at.catalogue);
+        let catalogue = Arc::clone(&db.catalogue);
         tasks.spawn(async move {
             let mut inserted = Vec::new();
             for step in 0..FRAMES {
@@ -53,25 +53,25 @@ async fn the_same_frames_from_many_callers_become_one_image_each() {
     }
     assert!(times.len() as u64 == FRAMES && times.values().all(|&count| count == 1));
     let (a, b) = (
-        at.catalogue.job("job_a").await.unwrap().unwrap(),
-        at.catalogue.job("job_b").await.unwrap().unwrap(),
+        db.catalogue.job("job_a").await.unwrap().unwrap(),
+        db.catalogue.job("job_b").await.unwrap().unwrap(),
     );
     assert_eq!((a.state, a.done, a.failed), (JobState::Done, FRAMES, 0));
     assert_eq!((b.state, b.done, b.failed), (JobState::Running, 0, 25));
-    at.is_sound().await;
+    db.is_sound().await;
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn the_digest_of_a_job_does_not_depend_on_the_order_of_its_images() {
     let mut digests = Vec::new();
     for stride in [1, 7, 143] {
-        let at = Fixture::new().await;
-        at.job("job_a", "bay", 200, 0).await;
+        let db = Fixture::new().await;
+        db.job("job_a", "bay", 200, 0).await;
         for step in 0..200 {
             let record = synthetic::record("job_a", step * stride % 200);
-            at.catalogue.insert_image("job_a", &record, 0).await.unwrap();
+            db.catalogue.insert_image("job_a", &record, 0).await.unwrap();
         }
-        let job = at.catalogue.job("job_a").await.unwrap().unwrap();
+        let job = db.catalogue.job("job_a").await.unwrap().unwrap();
         digests.push(job.digest.unwrap());
     }
     let frames: Vec<String> = (0..200)
@@ -83,20 +83,20 @@ async fn the_digest_of_a_job_does_not_depend_on_the_order_of_its_images() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn deleting_while_images_arrive_leaves_nothing_behind() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 5000, 0).await;
-    let catalogue = Arc::clone(&at.catalogue);
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 5000, 0).await;
+    let catalogue = Arc::clone(&db.catalogue);
     let arriving = tokio::spawn(async move { synthetic::fill(&catalogue, "job_a", 0..5000, 0).await });
-    while at.catalogue.job("job_a").await.unwrap().unwrap().done < 500 {
+    while db.catalogue.job("job_a").await.unwrap().unwrap().done < 500 {
         tokio::task::yield_now().await;
     }
-    at.catalogue.delete_job("job_a").await.unwrap();
-    while at.catalogue.sweep().await.unwrap() {}
+    db.catalogue.delete_job("job_a").await.unwrap();
+    while db.catalogue.sweep().await.unwrap() {}
     assert!(matches!(
         arriving.await.unwrap(),
         Err(CatalogueError::NotFound { .. })
     ));
-    let left = at.counts().await;
+    let left = db.counts().await;
     assert_eq!(
         [
             left["jobs"],
@@ -106,6 +106,6 @@ async fn deleting_while_images_arrive_leaves_nothing_behind() {
         ],
         [0; 4]
     );
-    assert!(at.datasets().await.is_empty());
-    at.is_sound().await;
+    assert!(db.datasets().await.is_empty());
+    db.is_sound().await;
 }

@@ -32,8 +32,8 @@ fn asking() -> ImageQuery {
 
 #[tokio::test]
 async fn as_a_value_it_is_only_compared() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3, 3).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 3, 3).await;
     for attempt in ATTEMPTS {
         let quoted = attempt.replace('\\', "\\\\").replace('\'', "\\'");
         let filter = format!("water.style = '{quoted}'");
@@ -41,7 +41,7 @@ async fn as_a_value_it_is_only_compared() {
             filter: Some(filter.clone()),
             ..asking()
         };
-        match at.catalogue.images(query).await {
+        match db.catalogue.images(query).await {
             Ok(page) => assert!(page.items.is_empty(), "{filter}"),
             Err(error) => assert!(matches!(error, CatalogueError::Filter(_)), "{filter}: {error}"),
         }
@@ -49,26 +49,26 @@ async fn as_a_value_it_is_only_compared() {
             dataset: Some(attempt.to_owned()),
             ..asking()
         };
-        assert!(at.catalogue.images(query).await.unwrap().items.is_empty());
-        assert_eq!(at.catalogue.job(attempt).await.unwrap(), None);
+        assert!(db.catalogue.images(query).await.unwrap().items.is_empty());
+        assert_eq!(db.catalogue.job(attempt).await.unwrap(), None);
         assert!(
-            at.catalogue
+            db.catalogue
                 .jobs(Some(attempt.to_owned()), None, 5, None)
                 .await
                 .unwrap()
                 .items
                 .is_empty()
         );
-        assert_eq!(at.catalogue.artifact("job_a", 0, attempt).await.unwrap(), None);
+        assert_eq!(db.catalogue.artifact("job_a", 0, attempt).await.unwrap(), None);
     }
-    at.is_sound().await;
-    assert_eq!(at.counts().await["images"], 3);
+    db.is_sound().await;
+    assert_eq!(db.counts().await["images"], 3);
 }
 
 #[tokio::test]
 async fn as_a_name_a_filter_or_an_order_it_is_refused_or_unknown() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3, 3).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 3, 3).await;
     for attempt in ATTEMPTS {
         let places = [
             ImageQuery {
@@ -97,7 +97,7 @@ async fn as_a_name_a_filter_or_an_order_it_is_refused_or_unknown() {
             },
         ];
         for query in places {
-            match at.catalogue.images(query.clone()).await {
+            match db.catalogue.images(query.clone()).await {
                 Err(CatalogueError::Filter(_)) => {}
                 // Labels and kinds of artifacts may have any name; nothing has this one.
                 Ok(page) => {
@@ -110,12 +110,12 @@ async fn as_a_name_a_filter_or_an_order_it_is_refused_or_unknown() {
                 Err(other) => panic!("{query:?}: {other}"),
             }
         }
-        let refused = at.catalogue.histogram("bay", None, attempt, 3, None).await;
+        let refused = db.catalogue.histogram("bay", None, attempt, 3, None).await;
         assert!(matches!(refused, Err(CatalogueError::Filter(_))), "{attempt}");
         let names = [attempt.to_owned()];
-        let refused = at.catalogue.stats("bay", &names, None, None).await;
+        let refused = db.catalogue.stats("bay", &names, None, None).await;
         assert!(matches!(refused, Err(CatalogueError::Filter(_))), "{attempt}");
     }
-    at.is_sound().await;
-    assert_eq!(at.counts().await["images"], 3);
+    db.is_sound().await;
+    assert_eq!(db.counts().await["images"], 3);
 }

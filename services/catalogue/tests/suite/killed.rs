@@ -104,12 +104,12 @@ fn run_and_kill(path: &std::path::Path, faults: Option<&str>, most: usize) -> Ve
 
 #[tokio::test(flavor = "multi_thread")]
 async fn what_was_acknowledged_is_there_after_every_kill() {
-    let mut at = Fixture::new().await;
-    at.catalogue
+    let mut db = Fixture::new().await;
+    db.catalogue
         .insert_job(synthetic::job("job_a", "bay", FRAMES, 0))
         .await
         .unwrap();
-    let path = at.folder.path().join("catalogue.sqlite");
+    let path = db.folder.path().join("catalogue.sqlite");
     let mut acknowledged = BTreeSet::new();
     let faults = [
         None,
@@ -123,41 +123,41 @@ async fn what_was_acknowledged_is_there_after_every_kill() {
         None,
     ];
     for (round, faults) in faults.into_iter().enumerate() {
-        at.catalogue.close().await;
+        db.catalogue.close().await;
         let most = if faults.is_some() {
             usize::MAX
         } else {
             40 + 170 * round
         };
         acknowledged.extend(run_and_kill(&path, faults, most));
-        at = at.reopen().await;
-        at.is_sound().await;
+        db = db.reopen().await;
+        db.is_sound().await;
         assert_eq!(
-            at.catalogue.check_replica().await.unwrap(),
+            db.catalogue.check_replica().await.unwrap(),
             [""; 0],
             "round {round}"
         );
-        let open = at.open_job("job_a").await;
+        let open = db.open_job("job_a").await;
         let there = |frame: &u64| open.done.iter().any(|range| range.contains(frame));
         let lost: Vec<_> = acknowledged.iter().filter(|frame| !there(frame)).collect();
         assert!(lost.is_empty(), "round {round}: {lost:?}");
         assert_eq!(
-            at.catalogue.jobs(None, None, 5, None).await.unwrap().items.len(),
+            db.catalogue.jobs(None, None, 5, None).await.unwrap().items.len(),
             1
         );
     }
     assert!(acknowledged.len() > 500, "{}", acknowledged.len());
     // What the kills left half deleted goes with the next sweeps.
     tokio::time::timeout(Duration::from_secs(60), async {
-        while at.catalogue.sweep().await.unwrap() {}
+        while db.catalogue.sweep().await.unwrap() {}
     })
     .await
     .unwrap();
-    let left = at.counts().await;
+    let left = db.counts().await;
     assert_eq!([left["jobs"], left["deletions"]], [1, 0]);
     assert_eq!(
         left["images"],
-        at.catalogue.job("job_a").await.unwrap().unwrap().done
+        db.catalogue.job("job_a").await.unwrap().unwrap().done
     );
-    at.is_sound().await;
+    db.is_sound().await;
 }

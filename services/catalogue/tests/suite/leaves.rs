@@ -19,15 +19,15 @@ fn record(frame: u64, values: &[(&str, Value)]) -> FrameRecord {
 }
 
 async fn with_records(records: Vec<FrameRecord>) -> Fixture {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", records.len() as u64, 0).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", records.len() as u64, 0).await;
     for record in records {
-        at.catalogue.insert_image("job_a", &record, 1).await.unwrap();
+        db.catalogue.insert_image("job_a", &record, 1).await.unwrap();
     }
-    at
+    db
 }
 
-async fn rows(at: &Fixture, filter: &str, order_by: &str, fields: &[&str]) -> Vec<Value> {
+async fn rows(db: &Fixture, filter: &str, order_by: &str, fields: &[&str]) -> Vec<Value> {
     let mut query = ImageQuery {
         filter: Some(filter.to_owned()),
         order_by: Some(order_by.to_owned()),
@@ -37,7 +37,7 @@ async fn rows(at: &Fixture, filter: &str, order_by: &str, fields: &[&str]) -> Ve
     };
     let mut rows = Vec::new();
     loop {
-        let page = at.catalogue.images(query.clone()).await.unwrap();
+        let page = db.catalogue.images(query.clone()).await.unwrap();
         rows.extend(page.items);
         query.cursor = page.next_cursor;
         if query.cursor.is_none() {
@@ -53,13 +53,13 @@ async fn seeds_of_64_bits_are_kept_compared_and_ordered_exactly() {
     let records = (0..)
         .zip(frames)
         .map(|(frame, seed): (u64, usize)| record(frame, &[("/seed", json!(SEEDS[seed]))]));
-    let at = with_records(records.collect()).await;
+    let db = with_records(records.collect()).await;
     let seeds = |rows: Vec<Value>| {
         rows.iter()
             .map(|row| row["seed"].as_u64().unwrap())
             .collect::<Vec<_>>()
     };
-    let found = async |filter: String, order: &str| seeds(rows(&at, &filter, order, &["seed"]).await);
+    let found = async |filter: String, order: &str| seeds(rows(&db, &filter, order, &["seed"]).await);
     assert_eq!(found(String::new(), "seed").await, SEEDS);
     let mut falling = SEEDS;
     falling.reverse();
@@ -88,13 +88,13 @@ async fn seeds_of_64_bits_are_kept_compared_and_ordered_exactly() {
             .await
             .is_empty()
     );
-    let histogram = at
+    let histogram = db
         .catalogue
         .histogram("bay", None, "seed", 2, None)
         .await
         .unwrap();
     assert_eq!((histogram.edges[0], histogram.edges[2]), (0.0, u64::MAX as f64));
-    let stats = at
+    let stats = db
         .catalogue
         .stats("bay", &["uiqm".to_owned()], Some("seed"), None)
         .await
@@ -112,7 +112,7 @@ async fn leaves_are_found_under_their_own_names_and_under_those_of_before() {
     let snow = json!({"density_per_m3": 40.0, "radius_m": 0.001, "albedo": [0.1, 0.2, 0.3]});
     let lights = json!([{"kind": "spot", "position_m": [1.0, 2.0, 3.0], "intensity": [4.0, 5.0, 6.0], "cone_deg": 30.0}]);
     let path = json!({"frames": 9, "frame": 4, "sway_m": 0.25, "start": {"position_m": [1.0, 2.0, 3.0], "target_m": [0.0, 0.0, 0.0]}});
-    let at = with_records(vec![
+    let db = with_records(vec![
         record(0, &[]),
         record(1, &[
             ("/water/snow", snow),
@@ -137,13 +137,13 @@ async fn leaves_are_found_under_their_own_names_and_under_those_of_before() {
         "encode.format = 'jpeg' and encode.quality >= 80",
         "enhance.0 = 'hscm' and enhance.count = 1 and metrics.5 = 'uciqe' and artifacts.count = 2 and frame = 1",
     ] {
-        let found = rows(&at, filter, "frame", &["frame"]).await;
+        let found = rows(&db, filter, "frame", &["frame"]).await;
         assert_eq!(found, [json!({"frame": 1})], "{filter}");
     }
     for order in ["failed", "-failed", "warned", "-snow.radius_m", "lights.0.kind"] {
-        assert_eq!(rows(&at, "", order, &["frame"]).await.len(), 2, "{order}");
+        assert_eq!(rows(&db, "", order, &["frame"]).await.len(), 2, "{order}");
     }
-    let all = at.catalogue.columns("bay").await.unwrap();
+    let all = db.catalogue.columns("bay").await.unwrap();
     let column = |name: &str| all.iter().find(|column| column.name == name).unwrap();
     assert_eq!(column("camera.path.sway_m").unit.as_deref(), Some("m"));
     assert_eq!(column("snow.radius_m").unit.as_deref(), Some("m"));
@@ -155,47 +155,47 @@ async fn leaves_are_found_under_their_own_names_and_under_those_of_before() {
 
 #[tokio::test]
 async fn columns_of_a_newer_program_are_filled_from_the_records_wherever_the_last_start_ended() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 50, 50).await;
-    let before = rows(&at, "", "frame", &[]).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 50, 50).await;
+    let before = rows(&db, "", "frame", &[]).await;
     // As after a start that was killed behind the 20th image.
-    at.sabotage(
+    db.sabotage(
         "INSERT INTO unfilled VALUES ('alpha', 20), ('seed - 2^63', 20), ('scene.kind', 20);
          UPDATE images SET alpha = NULL, \"seed - 2^63\" = NULL, \"scene.kind\" = NULL WHERE rowid > 20;
          UPDATE images SET alpha = 7 WHERE rowid = 5",
     )
     .await;
-    let at = at.reopen().await;
+    let db = db.reopen().await;
     let seventh = ImageQuery {
         filter: Some("alpha = 7".to_owned()),
         limit: 2,
         ..ImageQuery::default()
     };
-    let found = at.catalogue.images(seventh).await.unwrap();
+    let found = db.catalogue.images(seventh).await.unwrap();
     assert!(
         found.items.is_empty() && found.damaged.len() == 1,
         "it goes on, it does not begin again: {found:?}"
     );
     // As under a program that knew fewer columns.
-    at.sabotage(
+    db.sabotage(
         "ALTER TABLE images DROP COLUMN alpha;
          ALTER TABLE images DROP COLUMN \"encode.format\";
          ALTER TABLE images DROP COLUMN \"water.range_scale\"",
     )
     .await;
-    let at = at.reopen().await;
-    assert_eq!(rows(&at, "", "frame", &[]).await, before);
+    let db = db.reopen().await;
+    assert_eq!(rows(&db, "", "frame", &[]).await, before);
     let filter = "encode.format = 'png' and water.range_scale > 0";
-    assert_eq!(rows(&at, filter, "frame", &["frame"]).await.len(), 50);
-    at.is_sound().await;
+    assert_eq!(rows(&db, filter, "frame", &["frame"]).await.len(), 50);
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn the_first_edge_of_a_histogram_over_seeds_is_the_least_seed() {
     let seeds = [5, u64::MAX].into_iter().zip(0..);
     let records = seeds.map(|(seed, frame)| record(frame, &[("/seed", json!(seed))]));
-    let at = with_records(records.collect()).await;
-    let histogram = at
+    let db = with_records(records.collect()).await;
+    let histogram = db
         .catalogue
         .histogram("bay", None, "seed", 2, None)
         .await

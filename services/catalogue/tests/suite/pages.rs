@@ -7,20 +7,20 @@ use crate::fixture::Fixture;
 
 /// A catalogue in which `alpha` has ties and gaps, and `water.style` has ties and gaps.
 async fn uneven() -> Fixture {
-    let at = Fixture::new().await;
+    let db = Fixture::new().await;
     for job in ["job_a", "job_b"] {
-        at.catalogue
+        db.catalogue
             .insert_job(synthetic::job(job, "bay", 100, 0))
             .await
             .unwrap();
         for frame in 0..40 {
-            insert(&at, job, frame).await;
+            insert(&db, job, frame).await;
         }
     }
-    at
+    db
 }
 
-async fn insert(at: &Fixture, job: &str, frame: u64) {
+async fn insert(db: &Fixture, job: &str, frame: u64) {
     let mut record = synthetic::record(job, frame);
     let parameters = record.parameters.as_object_mut().unwrap();
     match frame % 5 {
@@ -33,7 +33,7 @@ async fn insert(at: &Fixture, job: &str, frame: u64) {
             .unwrap()
             .remove("style");
     }
-    at.catalogue.insert_image(job, &record, frame).await.unwrap();
+    db.catalogue.insert_image(job, &record, frame).await.unwrap();
 }
 
 fn query(order: Option<&str>, limit: u32) -> ImageQuery {
@@ -48,10 +48,10 @@ fn query(order: Option<&str>, limit: u32) -> ImageQuery {
     }
 }
 
-async fn all(at: &Fixture, mut query: ImageQuery) -> Vec<Value> {
+async fn all(db: &Fixture, mut query: ImageQuery) -> Vec<Value> {
     let mut rows = Vec::new();
     loop {
-        let page = at.catalogue.images(query.clone()).await.unwrap();
+        let page = db.catalogue.images(query.clone()).await.unwrap();
         assert!(page.items.len() <= query.limit as usize);
         rows.extend(page.items);
         query.cursor = page.next_cursor;
@@ -107,10 +107,10 @@ const ORDERS: [Option<&str>; 8] = [
 
 #[tokio::test]
 async fn every_order_gives_every_row_once_whatever_the_size_of_a_page() {
-    let at = uneven().await;
+    let db = uneven().await;
     for order in ORDERS {
         for limit in [1, 7, 79, 80, 1000] {
-            let rows = all(&at, query(order, limit)).await;
+            let rows = all(&db, query(order, limit)).await;
             assert_eq!(rows.len(), 80, "{order:?} in pages of {limit}");
             assert_eq!(rows, sorted(rows.clone(), order), "{order:?} in pages of {limit}");
         }
@@ -120,19 +120,19 @@ async fn every_order_gives_every_row_once_whatever_the_size_of_a_page() {
 #[tokio::test]
 async fn rows_that_arrive_between_two_pages_neither_repeat_nor_hide_others() {
     for order in ORDERS {
-        let at = uneven().await;
-        let before: Vec<_> = all(&at, query(order, 1000)).await.iter().map(key).collect();
+        let db = uneven().await;
+        let before: Vec<_> = all(&db, query(order, 1000)).await.iter().map(key).collect();
         let (mut seen, mut asked, mut next) = (Vec::new(), query(order, 9), 40);
         loop {
-            let page = at.catalogue.images(asked.clone()).await.unwrap();
+            let page = db.catalogue.images(asked.clone()).await.unwrap();
             seen.extend(page.items.iter().map(key));
             asked.cursor = page.next_cursor;
             if asked.cursor.is_none() {
                 break;
             }
             if next < 60 {
-                insert(&at, "job_a", next).await;
-                insert(&at, "job_b", 139 - next).await;
+                insert(&db, "job_a", next).await;
+                insert(&db, "job_b", 139 - next).await;
                 next += 1;
             }
         }
@@ -149,8 +149,8 @@ async fn rows_that_arrive_between_two_pages_neither_repeat_nor_hide_others() {
 
 #[tokio::test]
 async fn a_cursor_of_another_question_or_a_changed_one_is_refused() {
-    let at = uneven().await;
-    let given = at
+    let db = uneven().await;
+    let given = db
         .catalogue
         .images(query(Some("alpha"), 5))
         .await
@@ -170,7 +170,7 @@ async fn a_cursor_of_another_question_or_a_changed_one_is_refused() {
         |query| query.dataset = None,
     ];
     for change in changes {
-        let refused = at.catalogue.images(with(change, &given)).await;
+        let refused = db.catalogue.images(with(change, &given)).await;
         assert!(matches!(refused, Err(CatalogueError::Cursor)));
     }
     for at_char in 0..given.len() {
@@ -181,10 +181,10 @@ async fn a_cursor_of_another_question_or_a_changed_one_is_refused() {
             "0"
         };
         forged.replace_range(at_char..=at_char, digit);
-        let refused = at.catalogue.images(with(|_| {}, &forged)).await;
+        let refused = db.catalogue.images(with(|_| {}, &forged)).await;
         assert!(matches!(refused, Err(CatalogueError::Cursor)), "{at_char}");
     }
-    let of_jobs = at
+    let of_jobs = db
         .catalogue
         .jobs(None, None, 1, None)
         .await
@@ -199,9 +199,9 @@ async fn a_cursor_of_another_question_or_a_changed_one_is_refused() {
         &given.repeat(50),
         "ffffffffffffffff",
     ] {
-        let refused = at.catalogue.images(with(|_| {}, text)).await;
+        let refused = db.catalogue.images(with(|_| {}, text)).await;
         assert!(matches!(refused, Err(CatalogueError::Cursor)), "{text}");
-        let refused = at.catalogue.scenes(1, Some(text.to_owned())).await;
+        let refused = db.catalogue.scenes(1, Some(text.to_owned())).await;
         assert!(matches!(refused, Err(CatalogueError::Cursor)), "{text}");
     }
 }

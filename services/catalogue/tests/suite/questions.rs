@@ -9,10 +9,10 @@ use crate::fixture::Fixture;
 
 #[tokio::test]
 async fn a_histogram_counts_what_a_plain_loop_counts() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 300, 300).await;
-    at.job("job_b", "cove", 5, 5).await;
-    let got = at
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 300, 300).await;
+    db.job("job_b", "cove", 5, 5).await;
+    let got = db
         .catalogue
         .histogram("bay", Some("alpha > 0.5"), "uiqm", 7, Some((0.25, 0.75)))
         .await
@@ -34,7 +34,7 @@ async fn a_histogram_counts_what_a_plain_loop_counts() {
         got.counts.iter().sum::<u64>() + got.below + got.above,
         values.len() as u64
     );
-    let none = at
+    let none = db
         .catalogue
         .histogram("bay", None, "water.depth_m", 3, None)
         .await
@@ -44,8 +44,8 @@ async fn a_histogram_counts_what_a_plain_loop_counts() {
 
 #[tokio::test]
 async fn what_has_no_histogram_is_refused_with_its_reason() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 1, 1).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 1, 1).await;
     for (column, bins, range) in [
         ("uiqn", 3, None),
         ("water.style", 3, None),
@@ -55,13 +55,13 @@ async fn what_has_no_histogram_is_refused_with_its_reason() {
         ("uiqm", 3, Some((f64::NAN, 1.0))),
         ("uiqm", 3, Some((f64::MIN, f64::MAX))),
     ] {
-        let got = at.catalogue.histogram("bay", None, column, bins, range).await;
+        let got = db.catalogue.histogram("bay", None, column, bins, range).await;
         assert!(
             matches!(got, Err(CatalogueError::Filter(_))),
             "{column} {bins} {range:?}"
         );
     }
-    let nowhere = at.catalogue.histogram("nowhere", None, "uiqm", 3, None).await;
+    let nowhere = db.catalogue.histogram("nowhere", None, "uiqm", 3, None).await;
     assert!(matches!(nowhere, Err(CatalogueError::NotFound { .. })));
 }
 
@@ -77,9 +77,9 @@ fn plainly(values: &[f64]) -> (u64, Option<f64>, Option<f64>, Option<f64>) {
 
 #[tokio::test]
 async fn groups_by_columns_and_bins_have_the_statistics_of_a_plain_loop() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 300, 300).await;
-    at.job("job_b", "bay", 2, 0).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 300, 300).await;
+    db.job("job_b", "bay", 2, 0).await;
     // One image without α, and one with an enhanced picture that was not measured.
     let mut records: Vec<_> = (0..300).map(|frame| synthetic::record("job_a", frame)).collect();
     for frame in 0..2 {
@@ -88,11 +88,11 @@ async fn groups_by_columns_and_bins_have_the_statistics_of_a_plain_loop() {
             0 => drop(record.parameters.as_object_mut().unwrap().remove("alpha")),
             _ => drop(record.measurements.remove("hscm")),
         }
-        at.catalogue.insert_image("job_b", &record, 0).await.unwrap();
+        db.catalogue.insert_image("job_b", &record, 0).await.unwrap();
         records.push(record);
     }
     let metrics = ["uiqm".to_owned(), "hscm.uiqm".to_owned()];
-    let got = at
+    let got = db
         .catalogue
         .grouped_stats("bay", &metrics, "water.optics, alpha:0.1", Some("frame < 250"));
     let got = got.await.unwrap();
@@ -148,9 +148,9 @@ async fn groups_by_columns_and_bins_have_the_statistics_of_a_plain_loop() {
 
 #[tokio::test]
 async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 1100, 1100).await;
-    let ask = async |by: &str| match at
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 1100, 1100).await;
+    let ask = async |by: &str| match db
         .catalogue
         .grouped_stats("bay", &["uiqm".to_owned()], by, None)
         .await
@@ -183,7 +183,7 @@ async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
         let message = ask(by).await;
         assert!(message.contains(said), "{by}: {message}");
     }
-    let wide = at
+    let wide = db
         .catalogue
         .grouped_stats("bay", &["uiqm".to_owned()], "frame:500", None)
         .await
@@ -197,7 +197,7 @@ async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
         counts,
         [(Some(0.0), 500), (Some(500.0), 500), (Some(1000.0), 100)]
     );
-    let nowhere = at
+    let nowhere = db
         .catalogue
         .grouped_stats("nowhere", &["uiqm".to_owned()], "alpha", None)
         .await;
@@ -206,9 +206,9 @@ async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
 
 #[tokio::test]
 async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 25, 25).await;
-    let columns = at.catalogue.columns("bay").await.unwrap();
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 25, 25).await;
+    let columns = db.catalogue.columns("bay").await.unwrap();
     let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     assert_eq!(
         names.iter().collect::<BTreeSet<_>>().len(),
@@ -245,7 +245,7 @@ async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
     };
     let mut frames = Vec::new();
     loop {
-        let page = at.catalogue.images(query.clone()).await.unwrap();
+        let page = db.catalogue.images(query.clone()).await.unwrap();
         for row in &page.items {
             let frame = row["frame"].as_u64().unwrap();
             let record = synthetic::record("job_a", frame);
@@ -264,7 +264,7 @@ async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
     }
     assert_eq!(frames, (0..25).collect::<Vec<_>>());
     assert!(
-        at.catalogue
+        db.catalogue
             .columns("nowhere")
             .await
             .unwrap()
@@ -275,21 +275,21 @@ async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
 
 #[tokio::test]
 async fn the_values_of_networks_are_filtered_sorted_and_listed() {
-    let at = Fixture::new().await;
+    let db = Fixture::new().await;
     let mut new = synthetic::job("job_a", "bay", 3, 1000);
     let mut description: serde_json::Value = serde_json::from_str(&new.spec).unwrap();
     description["metrics"] = json!(["uiqm", "net.judge"]);
     new.spec = description.to_string();
     new.spec_digest = spec::sha256(new.spec.as_bytes());
-    at.catalogue.insert_job(new).await.unwrap();
-    at.job("job_b", "bay", 2, 2).await;
+    db.catalogue.insert_job(new).await.unwrap();
+    db.job("job_b", "bay", 2, 2).await;
     for frame in 0..3 {
         let mut record = synthetic::record("job_a", frame);
         for subject in ["rgb", "mine"] {
             let values = record.measurements.entry(subject.to_owned()).or_default();
             values.insert("net.judge".to_owned(), frame as f64 + 0.5);
         }
-        at.catalogue.insert_image("job_a", &record, 2000).await.unwrap();
+        db.catalogue.insert_image("job_a", &record, 2000).await.unwrap();
     }
     let query = ImageQuery {
         dataset: Some("bay".to_owned()),
@@ -299,7 +299,7 @@ async fn the_values_of_networks_are_filtered_sorted_and_listed() {
         fields: vec!["frame".to_owned(), "mine.net.judge".to_owned()],
         ..ImageQuery::default()
     };
-    let rows = at.catalogue.images(query.clone()).await.unwrap().items;
+    let rows = db.catalogue.images(query.clone()).await.unwrap().items;
     let found: Vec<_> = rows
         .iter()
         .map(|row| (row["frame"].as_u64(), row["mine.net.judge"].as_f64()))
@@ -309,8 +309,8 @@ async fn the_values_of_networks_are_filtered_sorted_and_listed() {
         filter: Some("mine.net.judge is null".to_owned()),
         ..query
     };
-    assert_eq!(at.catalogue.images(unmeasured).await.unwrap().items.len(), 2);
-    let columns = at.catalogue.columns("bay").await.unwrap();
+    assert_eq!(db.catalogue.images(unmeasured).await.unwrap().items.len(), 2);
+    let columns = db.catalogue.columns("bay").await.unwrap();
     for name in ["net.judge", "mine.net.judge"] {
         let column = columns.iter().find(|column| column.name == name);
         assert_eq!(
@@ -319,7 +319,7 @@ async fn the_values_of_networks_are_filtered_sorted_and_listed() {
             "{name}"
         );
     }
-    let stats = at
+    let stats = db
         .catalogue
         .stats("bay", &["net.judge".to_owned()], None, None)
         .await;

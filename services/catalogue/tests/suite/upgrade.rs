@@ -25,26 +25,26 @@ async fn opened() -> Fixture {
 
 #[tokio::test]
 async fn rows_of_the_first_version_are_kept_and_found() {
-    let at = opened().await;
-    at.is_sound().await;
-    let job = at.catalogue.job("job_old").await.unwrap().unwrap();
+    let db = opened().await;
+    db.is_sound().await;
+    let job = db.catalogue.job("job_old").await.unwrap().unwrap();
     assert_eq!((job.state, job.done, job.priority), (JobState::Running, 3, 0));
-    let dataset = &at.datasets().await[0];
+    let dataset = &db.datasets().await[0];
     assert_eq!((dataset.images, dataset.bytes, dataset.jobs), (3, job.bytes, 2));
     assert!(job.bytes > 1_000_000, "filled in by the upgrade");
-    let results = at.catalogue.results("job_old", None, 10).await.unwrap().rows;
+    let results = db.catalogue.results("job_old", None, 10).await.unwrap().rows;
     assert_eq!(results.len(), 3);
     for image in results {
         let entry = &image["artifacts"][0];
         let frame = image["frame"].as_u64().unwrap();
-        let named = at
+        let named = db
             .catalogue
             .artifact("job_old", frame, "rgb")
             .await
             .unwrap()
             .unwrap();
         assert_eq!(entry["digest"], named.entry.digest);
-        let page = at.catalogue.images(ImageQuery {
+        let page = db.catalogue.images(ImageQuery {
             filter: Some(format!(
                 "alpha = {} and uiqm > 0 and frame = {frame}",
                 image["parameters"]["alpha"]
@@ -71,7 +71,7 @@ async fn rows_of_the_first_version_are_kept_and_found() {
             .to_vec(),
         ..ImageQuery::default()
     };
-    let later = at.catalogue.images(later).await.unwrap().items;
+    let later = db.catalogue.images(later).await.unwrap().items;
     assert_eq!(later.len(), 3);
     assert_eq!(
         (&later[0]["seed"], &later[0]["camera.width"]),
@@ -84,10 +84,10 @@ async fn rows_of_the_first_version_are_kept_and_found() {
         limit: 5,
         ..ImageQuery::default()
     };
-    let page = at.catalogue.images(warned("warned")).await.unwrap();
+    let page = db.catalogue.images(warned("warned")).await.unwrap();
     assert_eq!((page.items.len(), &page.items[0]["frame"]), (1, &Value::from(0)));
     assert_eq!(
-        at.catalogue
+        db.catalogue
             .images(warned("not warned"))
             .await
             .unwrap()
@@ -95,20 +95,20 @@ async fn rows_of_the_first_version_are_kept_and_found() {
             .len(),
         2
     );
-    assert_eq!(at.all_failures("job_sad").await.len(), 2);
+    assert_eq!(db.all_failures("job_sad").await.len(), 2);
 }
 
 #[tokio::test]
 async fn work_of_the_first_version_goes_on() {
-    let at = opened().await;
-    let open = at.catalogue.open_jobs().await.unwrap();
+    let db = opened().await;
+    let open = db.catalogue.open_jobs().await.unwrap();
     assert_eq!((open.len(), open[0].done.first()), (1, Some(&(0..3))));
-    synthetic::fill(&at.catalogue, "job_old", 0..4, 5000)
+    synthetic::fill(&db.catalogue, "job_old", 0..4, 5000)
         .await
         .unwrap();
-    let done = at.catalogue.job("job_old").await.unwrap().unwrap();
+    let done = db.catalogue.job("job_old").await.unwrap().unwrap();
     assert_eq!((done.state, done.done), (JobState::Done, 4));
-    let rows = at.catalogue.images(ImageQuery {
+    let rows = db.catalogue.images(ImageQuery {
         limit: 10,
         fields: vec!["digest".to_owned()],
         ..ImageQuery::default()
@@ -116,7 +116,7 @@ async fn work_of_the_first_version_goes_on() {
     let rows = rows.await.unwrap().items;
     let digests: Vec<&str> = rows.iter().filter_map(|row| row["digest"].as_str()).collect();
     assert_eq!(done.digest, Some(spec::job_digest(digests)));
-    let again = at.catalogue.retry_failed("job_sad").await.unwrap();
+    let again = db.catalogue.retry_failed("job_sad").await.unwrap();
     assert_eq!((again.job.state, again.frames), (JobState::Queued, vec![0, 1]));
     let mut repeated = synthetic::job("job_new", "bay", 4, 0);
     repeated.idempotency = Some(Idempotency {
@@ -124,23 +124,23 @@ async fn work_of_the_first_version_goes_on() {
         key: "k".to_owned(),
         body_digest: "d".to_owned(),
     });
-    let found = at.catalogue.insert_job(repeated).await.unwrap();
+    let found = db.catalogue.insert_job(repeated).await.unwrap();
     assert!(matches!(found, InsertJob::Replayed(job) if job.id == "job_old"));
-    at.catalogue.delete_job("job_old").await.unwrap();
-    while at.catalogue.sweep().await.unwrap() {}
-    at.is_sound().await;
-    assert_eq!(at.counts().await["images"], 0);
+    db.catalogue.delete_job("job_old").await.unwrap();
+    while db.catalogue.sweep().await.unwrap() {}
+    db.is_sound().await;
+    assert_eq!(db.counts().await["images"], 0);
 }
 
 #[tokio::test]
 async fn a_catalogue_of_a_later_version_is_refused_and_left_alone() {
-    let at = Fixture::new().await;
-    at.sabotage(
+    let db = Fixture::new().await;
+    db.sabotage(
         "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
          VALUES (9999, 'tomorrow', 1, x'00', 1)",
     )
     .await;
-    let path = at.folder.path().join("catalogue.sqlite");
+    let path = db.folder.path().join("catalogue.sqlite");
     match Catalogue::open(&path, &synthetic::metrics()).await.map(drop) {
         Err(error @ CatalogueError::Open { .. }) => {
             let text = error.to_string();

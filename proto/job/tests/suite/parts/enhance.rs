@@ -6,7 +6,7 @@ use imaging::Plane;
 use imaging::codec::encode_png;
 use serde_json::{Value, json};
 
-use crate::common::{document_with, job, job_with, only_error};
+use crate::common::{document_with, errors, job, job_with, only_error};
 
 #[test]
 fn an_artifact_of_a_method_needs_the_method() {
@@ -154,4 +154,28 @@ fn a_drawn_mask_has_the_size_of_every_image() {
     }
     let error = only_error(json!({"enhance": [{"method": "hscm", "mask": {"image": "robot.png"}}]}));
     assert!(error.message.contains("is not base64"), "{}", error.message);
+}
+
+#[test]
+fn a_network_of_one_size_needs_images_of_that_size() {
+    let enhanced = |model: &str, camera: &Value| {
+        let steps = json!({"name": "mine", "steps": [{"clahe": {}}, {"onnx": {"model": model}}]});
+        json!({"camera": camera, "enhance": [{"method": "onnx", "model": model}, steps]})
+    };
+    let fitting = json!({"width": 64, "height": 48});
+    job_with(enhanced("for-64x48", &fitting));
+    for (camera, sides) in [
+        (json!({"width": 64, "height": 50}), "`camera.height` can be 50"),
+        (
+            json!({"width": {"int": [64, 65]}, "height": {"choice": [40, 48]}}),
+            "`camera.width` can be 65 and `camera.height` can be 40",
+        ),
+    ] {
+        job_with(enhanced("for-any", &camera));
+        let found = errors(&document_with(enhanced("for-64x48", &camera)));
+        let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
+        assert_eq!(pointers, ["/enhance/0/model", "/enhance/1/steps/1/onnx/model"]);
+        assert_eq!(found[0].limit.as_deref(), Some("only with pictures of 64×48"));
+        assert!(found[0].message.contains(sides), "{}", found[0].message);
+    }
 }

@@ -7,23 +7,23 @@ use crate::fixture::{Fixture, failure};
 
 #[tokio::test]
 async fn a_job_goes_on_as_what_it_was_before_the_pause() {
-    let at = Fixture::new().await;
-    at.job("job_new", "bay", 3, 0).await;
-    at.job("job_begun", "bay", 3, 1).await;
+    let db = Fixture::new().await;
+    db.job("job_new", "bay", 3, 0).await;
+    db.job("job_begun", "bay", 3, 1).await;
     for (id, state) in [("job_new", JobState::Queued), ("job_begun", JobState::Running)] {
-        let before = at.catalogue.job(id).await.unwrap().unwrap();
+        let before = db.catalogue.job(id).await.unwrap().unwrap();
         assert_eq!(before.state, state);
-        let paused = at.catalogue.set_state(id, JobState::Paused).await.unwrap();
+        let paused = db.catalogue.set_state(id, JobState::Paused).await.unwrap();
         assert_eq!(paused.state, JobState::Paused);
         assert!(paused.version > before.version);
         assert_eq!(
-            at.catalogue.set_state(id, JobState::Paused).await.unwrap(),
+            db.catalogue.set_state(id, JobState::Paused).await.unwrap(),
             paused
         );
-        let resumed = at.catalogue.set_state(id, JobState::Queued).await.unwrap();
+        let resumed = db.catalogue.set_state(id, JobState::Queued).await.unwrap();
         assert_eq!(resumed.state, state);
         assert_eq!(
-            at.catalogue.set_state(id, JobState::Running).await.unwrap(),
+            db.catalogue.set_state(id, JobState::Running).await.unwrap(),
             resumed
         );
     }
@@ -31,28 +31,28 @@ async fn a_job_goes_on_as_what_it_was_before_the_pause() {
 
 #[tokio::test]
 async fn a_paused_job_takes_what_was_under_way_and_ends_if_that_was_all() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 2, 0).await;
-    at.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
-    let open = at.open_job("job_a").await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 2, 0).await;
+    db.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
+    let open = db.open_job("job_a").await;
     assert_eq!((open.row.state, open.done), (JobState::Paused, vec![]));
-    synthetic::fill(&at.catalogue, "job_a", 0..1, 0).await.unwrap();
+    synthetic::fill(&db.catalogue, "job_a", 0..1, 0).await.unwrap();
     assert_eq!(
-        at.catalogue.job("job_a").await.unwrap().unwrap().state,
+        db.catalogue.job("job_a").await.unwrap().unwrap().state,
         JobState::Paused
     );
-    synthetic::fill(&at.catalogue, "job_a", 1..2, 0).await.unwrap();
-    let done = at.catalogue.job("job_a").await.unwrap().unwrap();
+    synthetic::fill(&db.catalogue, "job_a", 1..2, 0).await.unwrap();
+    let done = db.catalogue.job("job_a").await.unwrap().unwrap();
     assert_eq!((done.state, done.digest.is_some()), (JobState::Done, true));
     assert_eq!(
-        at.catalogue
+        db.catalogue
             .set_state("job_a", JobState::Cancelled)
             .await
             .unwrap(),
         done
     );
     for state in [JobState::Paused, JobState::Queued] {
-        let refused = at.catalogue.set_state("job_a", state).await;
+        let refused = db.catalogue.set_state("job_a", state).await;
         assert!(
             matches!(refused, Err(CatalogueError::Transition { .. })),
             "{state}"
@@ -62,36 +62,36 @@ async fn a_paused_job_takes_what_was_under_way_and_ends_if_that_was_all() {
 
 #[tokio::test]
 async fn failed_frames_can_be_tried_again_and_the_job_ends_as_if_none_had_failed() {
-    let (at, other) = (Fixture::new().await, Fixture::new().await);
-    at.job("job_a", "bay", 4, 2).await;
-    at.catalogue
+    let (db, other) = (Fixture::new().await, Fixture::new().await);
+    db.job("job_a", "bay", 4, 2).await;
+    db.catalogue
         .record_strike("job_a", failure(2, 1, "first", false))
         .await
         .unwrap();
-    at.give_up("job_a", 2).await;
-    at.give_up("job_a", 3).await;
-    let ended = at.catalogue.job("job_a").await.unwrap().unwrap();
+    db.give_up("job_a", 2).await;
+    db.give_up("job_a", 3).await;
+    let ended = db.catalogue.job("job_a").await.unwrap().unwrap();
     assert_eq!(
         (ended.state, ended.done, ended.failed),
         (JobState::DoneWithFailures, 2, 2)
     );
-    let again = at.catalogue.retry_failed("job_a").await.unwrap();
+    let again = db.catalogue.retry_failed("job_a").await.unwrap();
     assert_eq!(again.frames, [2, 3]);
     assert_eq!((again.job.state, again.job.failed), (JobState::Running, 0));
     assert_eq!(
-        (again.job.finished_at, at.all_failures("job_a").await),
+        (again.job.finished_at, db.all_failures("job_a").await),
         (None, vec![])
     );
-    let open = at.open_job("job_a").await;
+    let open = db.open_job("job_a").await;
     assert_eq!(
         (open.done, open.failed),
         (std::iter::once(0..2).collect(), vec![])
     );
-    at.is_sound().await;
-    synthetic::fill(&at.catalogue, "job_a", 2..4, 9).await.unwrap();
+    db.is_sound().await;
+    synthetic::fill(&db.catalogue, "job_a", 2..4, 9).await.unwrap();
     other.job("job_a", "bay", 4, 4).await;
     let (mine, undisturbed) = (
-        at.catalogue.job("job_a").await.unwrap().unwrap(),
+        db.catalogue.job("job_a").await.unwrap().unwrap(),
         other.catalogue.job("job_a").await.unwrap().unwrap(),
     );
     assert_eq!(mine.state, JobState::Done);
@@ -101,59 +101,59 @@ async fn failed_frames_can_be_tried_again_and_the_job_ends_as_if_none_had_failed
 
 #[tokio::test]
 async fn what_is_cancelled_or_done_or_unknown_is_not_tried_again() {
-    let at = Fixture::new().await;
-    at.job("job_done", "bay", 1, 1).await;
-    at.job("job_cancelled", "bay", 2, 1).await;
-    at.catalogue
+    let db = Fixture::new().await;
+    db.job("job_done", "bay", 1, 1).await;
+    db.job("job_cancelled", "bay", 2, 1).await;
+    db.catalogue
         .set_state("job_cancelled", JobState::Cancelled)
         .await
         .unwrap();
     for id in ["job_done", "job_cancelled"] {
-        let refused = at.catalogue.retry_failed(id).await;
+        let refused = db.catalogue.retry_failed(id).await;
         assert!(matches!(refused, Err(CatalogueError::Transition { .. })), "{id}");
     }
-    let unknown = at.catalogue.retry_failed("job_x").await;
+    let unknown = db.catalogue.retry_failed("job_x").await;
     assert!(matches!(unknown, Err(CatalogueError::NotFound { .. })));
 }
 
 #[tokio::test]
 async fn a_late_image_of_a_frame_that_was_given_up_counts_once_and_a_late_strike_not_at_all() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3, 1).await;
-    at.give_up("job_a", 1).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 3, 1).await;
+    db.give_up("job_a", 1).await;
     let late = synthetic::record("job_a", 1);
     for expected in [InsertImage::Inserted, InsertImage::AlreadyThere] {
         assert_eq!(
-            at.catalogue.insert_image("job_a", &late, 0).await.unwrap(),
+            db.catalogue.insert_image("job_a", &late, 0).await.unwrap(),
             expected
         );
     }
-    at.give_up("job_a", 0).await;
-    let job = at.catalogue.job("job_a").await.unwrap().unwrap();
+    db.give_up("job_a", 0).await;
+    let job = db.catalogue.job("job_a").await.unwrap().unwrap();
     assert_eq!((job.done, job.failed, job.state), (2, 0, JobState::Running));
-    at.is_sound().await;
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn results_and_failures_come_in_frame_order_page_by_page() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 10, 5).await;
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 10, 5).await;
     for frame in [9, 7, 8] {
-        at.give_up("job_a", frame).await;
+        db.give_up("job_a", frame).await;
     }
     let mut frames = Vec::new();
     let mut after = None;
     loop {
-        let page = at.catalogue.results("job_a", after, 2).await.unwrap().rows;
+        let page = db.catalogue.results("job_a", after, 2).await.unwrap().rows;
         let Some(last) = page.last() else { break };
         after = last["frame"].as_u64();
         frames.extend(page.iter().map(|image| image["frame"].as_u64().unwrap()));
     }
     assert_eq!(frames, [0, 1, 2, 3, 4]);
-    let failed = at.catalogue.failures("job_a", Some(7), 5).await.unwrap();
+    let failed = db.catalogue.failures("job_a", Some(7), 5).await.unwrap();
     assert_eq!(failed.iter().map(|f| f.frame).collect::<Vec<_>>(), [8, 9]);
     assert_eq!(
-        at.catalogue.failures("job_a", Some(u64::MAX), 5).await.unwrap(),
+        db.catalogue.failures("job_a", Some(u64::MAX), 5).await.unwrap(),
         []
     );
 }
@@ -161,9 +161,9 @@ async fn results_and_failures_come_in_frame_order_page_by_page() {
 /// Every change returns the row that it leaves, so nobody has to read it again.
 #[tokio::test]
 async fn a_change_returns_its_row_without_a_read() {
-    let at = Fixture::new().await;
+    let db = Fixture::new().await;
     let new = synthetic::job("job_a", "bay", 3, 1000);
-    let InsertJob::Created(stored) = at.catalogue.insert_job(new).await.unwrap() else {
+    let InsertJob::Created(stored) = db.catalogue.insert_job(new).await.unwrap() else {
         panic!("it is new");
     };
     let scene = SceneRow {
@@ -206,50 +206,50 @@ async fn a_change_returns_its_row_without_a_read() {
         height: 3,
         created_at: UnixMs(7),
     };
-    let kept = at.catalogue.insert_scene(scene.clone()).await.unwrap();
+    let kept = db.catalogue.insert_scene(scene.clone()).await.unwrap();
     let other = SceneRow {
         id: "scn_b".to_owned(),
         ..scene.clone()
     };
-    let again = at.catalogue.insert_scene(other).await.unwrap();
-    let paused = at.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
-    assert_eq!(at.catalogue.reads(), 0);
-    assert_eq!(at.catalogue.job("job_a").await.unwrap(), Some(paused.clone()));
+    let again = db.catalogue.insert_scene(other).await.unwrap();
+    let paused = db.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
+    assert_eq!(db.catalogue.reads(), 0);
+    assert_eq!(db.catalogue.job("job_a").await.unwrap(), Some(paused.clone()));
     assert_eq!((stored.state, paused.state), (JobState::Queued, JobState::Paused));
     assert_eq!((&kept, &again), (&(scene.clone(), true), &(scene.clone(), false)));
-    assert_eq!(at.catalogue.scene("scn_a").await.unwrap(), Some(scene));
-    let reads = at.catalogue.reads();
-    at.give_up("job_a", 1).await;
-    let retried = at.catalogue.retry_failed("job_a").await.unwrap();
-    let cancelled = at
+    assert_eq!(db.catalogue.scene("scn_a").await.unwrap(), Some(scene));
+    let reads = db.catalogue.reads();
+    db.give_up("job_a", 1).await;
+    let retried = db.catalogue.retry_failed("job_a").await.unwrap();
+    let cancelled = db
         .catalogue
         .set_state("job_a", JobState::Cancelled)
         .await
         .unwrap();
-    let unchanged = at
+    let unchanged = db
         .catalogue
         .set_state("job_a", JobState::Cancelled)
         .await
         .unwrap();
-    assert_eq!(at.catalogue.reads(), reads);
+    assert_eq!(db.catalogue.reads(), reads);
     assert_eq!((retried.frames, &unchanged), (vec![1], &cancelled));
-    assert_eq!(at.catalogue.job("job_a").await.unwrap(), Some(cancelled));
+    assert_eq!(db.catalogue.job("job_a").await.unwrap(), Some(cancelled));
 }
 
 #[tokio::test]
 async fn a_description_whose_images_are_there_is_not_stored_again() {
-    let at = Fixture::new().await;
+    let db = Fixture::new().await;
     let job = |id: &str, dataset: &str| catalogue::NewJob {
         spec_digest: "the same".to_owned(),
         ..synthetic::job(id, dataset, 2, 0)
     };
-    let insert = async |job| at.catalogue.insert_job(job).await.unwrap();
+    let insert = async |job| db.catalogue.insert_job(job).await.unwrap();
     assert!(matches!(insert(job("job_a", "bay")).await, InsertJob::Created(row) if row.warnings.is_empty()));
     let InsertJob::Created(twin) = insert(job("job_b", "bay")).await else {
         panic!("the first has no image yet");
     };
     assert!(twin.warnings[0].starts_with("job_a in dataset `bay` has the same description and is queued"));
-    synthetic::fill(&at.catalogue, "job_a", 0..2, 0).await.unwrap();
+    synthetic::fill(&db.catalogue, "job_a", 0..2, 0).await.unwrap();
     let keyed = || catalogue::NewJob {
         idempotency: Some(catalogue::Idempotency {
             owner: "me".to_owned(),
@@ -273,7 +273,7 @@ async fn a_description_whose_images_are_there_is_not_stored_again() {
         ..job("job_e", "bay")
     };
     assert!(matches!(insert(again).await, InsertJob::Created(row) if row.warnings.is_empty()));
-    at.catalogue.delete_job("job_a").await.unwrap();
+    db.catalogue.delete_job("job_a").await.unwrap();
     assert!(
         matches!(insert(job("job_f", "bay")).await, InsertJob::Created(_)),
         "its images are gone"
@@ -283,59 +283,59 @@ async fn a_description_whose_images_are_there_is_not_stored_again() {
 /// Failure: a kill during a restart leaves a job that workers continue, with images of its earlier run.
 #[tokio::test]
 async fn an_interrupted_restart_continues_until_no_image_remains() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 1500, 0).await;
-    at.catalogue.mix_machines("job_a", true).await.unwrap();
-    synthetic::fill(&at.catalogue, "job_a", 0..1499, 2000)
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 1500, 0).await;
+    db.catalogue.mix_machines("job_a", true).await.unwrap();
+    synthetic::fill(&db.catalogue, "job_a", 0..1499, 2000)
         .await
         .unwrap();
-    at.give_up("job_a", 1499).await;
-    at.catalogue.begin_restart("job_a").await.unwrap();
-    let mut at = at.reopen().await;
+    db.give_up("job_a", 1499).await;
+    db.catalogue.begin_restart("job_a").await.unwrap();
+    let mut db = db.reopen().await;
     for left in [1499, 499] {
-        let row = at.catalogue.job("job_a").await.unwrap().unwrap();
+        let row = db.catalogue.job("job_a").await.unwrap().unwrap();
         assert_eq!((row.state, row.done, row.failed), (JobState::Running, left, 0));
-        assert_eq!(at.catalogue.restarting_jobs().await.unwrap(), ["job_a"]);
-        assert!(at.catalogue.open_jobs().await.unwrap().is_empty());
-        assert_eq!(at.catalogue.continue_restart("job_a").await.unwrap(), None);
-        at = at.reopen().await;
+        assert_eq!(db.catalogue.restarting_jobs().await.unwrap(), ["job_a"]);
+        assert!(db.catalogue.open_jobs().await.unwrap().is_empty());
+        assert_eq!(db.catalogue.continue_restart("job_a").await.unwrap(), None);
+        db = db.reopen().await;
     }
-    let row = at.catalogue.continue_restart("job_a").await.unwrap().unwrap();
+    let row = db.catalogue.continue_restart("job_a").await.unwrap().unwrap();
     assert_eq!(
         (row.state, row.done, row.failed, row.bytes, row.mixed),
         (JobState::Queued, 0, 0, 0, false)
     );
-    let at = at.reopen().await;
-    assert!(at.catalogue.restarting_jobs().await.unwrap().is_empty());
-    let open = at.catalogue.open_jobs().await.unwrap();
+    let db = db.reopen().await;
+    assert!(db.catalogue.restarting_jobs().await.unwrap().is_empty());
+    let open = db.catalogue.open_jobs().await.unwrap();
     assert!(open.len() == 1 && open[0].done.is_empty() && open[0].failed.is_empty());
     assert_eq!(
-        (at.all_failures("job_a").await, at.datasets().await[0].images),
+        (db.all_failures("job_a").await, db.datasets().await[0].images),
         (vec![], 0)
     );
-    at.is_sound().await;
-    synthetic::fill(&at.catalogue, "job_a", 0..1500, 3000)
+    db.is_sound().await;
+    synthetic::fill(&db.catalogue, "job_a", 0..1500, 3000)
         .await
         .unwrap();
     assert_eq!(
-        at.catalogue.job("job_a").await.unwrap().unwrap().state,
+        db.catalogue.job("job_a").await.unwrap().unwrap().state,
         JobState::Done
     );
 }
 
 #[tokio::test]
 async fn a_cancelled_job_does_not_start_again_and_ends_a_restart() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3, 2).await;
-    at.catalogue.begin_restart("job_a").await.unwrap();
-    at.catalogue
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 3, 2).await;
+    db.catalogue.begin_restart("job_a").await.unwrap();
+    db.catalogue
         .set_state("job_a", JobState::Cancelled)
         .await
         .unwrap();
-    let row = at.catalogue.continue_restart("job_a").await.unwrap().unwrap();
+    let row = db.catalogue.continue_restart("job_a").await.unwrap().unwrap();
     assert_eq!((row.state, row.done), (JobState::Cancelled, 2));
-    assert!(at.catalogue.restarting_jobs().await.unwrap().is_empty());
-    let refused = at.catalogue.begin_restart("job_a").await;
+    assert!(db.catalogue.restarting_jobs().await.unwrap().is_empty());
+    let refused = db.catalogue.begin_restart("job_a").await;
     assert!(
         matches!(refused, Err(CatalogueError::Transition { .. })),
         "{refused:?}"

@@ -62,31 +62,31 @@ impl Fixture {
 
 #[tokio::test]
 async fn an_imported_artifact_is_found_in_the_tar_of_its_shard() {
-    let at = Fixture::new().await;
-    at.catalogue.insert_job(new_job(JOB, 6)).await.unwrap();
+    let db = Fixture::new().await;
+    db.catalogue.insert_job(new_job(JOB, 6)).await.unwrap();
     for (first, tar) in [(0, "a.tar"), (3, "b.tar")] {
         let images = (first..first + 3)
-            .map(|frame| at.image(JOB, frame, 1000 * frame))
+            .map(|frame| db.image(JOB, frame, 1000 * frame))
             .collect();
         let shard = NewShard {
             end: Some(end(7)),
             ..shard(first, tar)
         };
-        assert_eq!(at.catalogue.import(JOB, images, shard).await.unwrap(), 3);
+        assert_eq!(db.catalogue.import(JOB, images, shard).await.unwrap(), 3);
     }
-    assert_eq!(at.place(2).await, Some(("a.tar".to_owned(), 2100)));
-    assert_eq!(at.place(3).await, Some(("b.tar".to_owned(), 3100)));
-    let row = at.catalogue.job(JOB).await.unwrap().unwrap();
+    assert_eq!(db.place(2).await, Some(("a.tar".to_owned(), 2100)));
+    assert_eq!(db.place(3).await, Some(("b.tar".to_owned(), 3100)));
+    let row = db.catalogue.job(JOB).await.unwrap().unwrap();
     assert_eq!(
         (row.state, row.done, row.set.as_deref()),
         (JobState::Done, 6, Some(SET))
     );
     assert!(
-        at.catalogue.artifacts_after(None, 100).await.unwrap().is_empty(),
+        db.catalogue.artifacts_after(None, 100).await.unwrap().is_empty(),
         "none is in the packs"
     );
     let (mut listed, mut last) = (Vec::new(), None);
-    while let Some(artifact) = at
+    while let Some(artifact) = db
         .catalogue
         .imported_artifacts(JOB, last.as_ref(), 1)
         .await
@@ -98,92 +98,92 @@ async fn an_imported_artifact_is_found_in_the_tar_of_its_shard() {
     }
     assert_eq!(listed.len(), 12);
     assert!(listed.is_sorted());
-    at.is_sound().await;
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn importing_again_changes_only_the_places() {
-    let at = Fixture::new().await;
-    at.catalogue.insert_job(new_job(JOB, 3)).await.unwrap();
+    let db = Fixture::new().await;
+    db.catalogue.insert_job(new_job(JOB, 3)).await.unwrap();
     let whole = |tar: &str, changed_ms| NewShard {
         end: Some(end(changed_ms)),
         ..shard(0, tar)
     };
     let images = |offset| {
         (0..3)
-            .map(|frame| at.image(JOB, frame, offset))
+            .map(|frame| db.image(JOB, frame, offset))
             .collect::<Vec<_>>()
     };
-    at.catalogue
+    db.catalogue
         .import(JOB, images(10), whole("a.tar", 1))
         .await
         .unwrap();
-    let row = at.catalogue.job(JOB).await.unwrap();
+    let row = db.catalogue.job(JOB).await.unwrap();
     assert_eq!(
-        at.catalogue
+        db.catalogue
             .import(JOB, images(20), whole("b.tar", 2))
             .await
             .unwrap(),
         0
     );
-    assert_eq!(at.place(1).await, Some(("b.tar".to_owned(), 120)));
-    assert_eq!(at.catalogue.job(JOB).await.unwrap(), row);
-    let other = vec![at.image("job_other", 1, 30)];
-    let refused = at.catalogue.import(JOB, other, whole("c.tar", 3)).await;
+    assert_eq!(db.place(1).await, Some(("b.tar".to_owned(), 120)));
+    assert_eq!(db.catalogue.job(JOB).await.unwrap(), row);
+    let other = vec![db.image("job_other", 1, 30)];
+    let refused = db.catalogue.import(JOB, other, whole("c.tar", 3)).await;
     assert!(
         matches!(refused, Err(CatalogueError::Contradicted { frame: 1, .. })),
         "{refused:?}"
     );
     assert_eq!(
-        at.place(1).await,
+        db.place(1).await,
         Some(("b.tar".to_owned(), 120)),
         "all or nothing"
     );
-    let shards = at.catalogue.imported_shards(JOB).await.unwrap();
+    let shards = db.catalogue.imported_shards(JOB).await.unwrap();
     assert_eq!(
         shards.iter().map(|shard| shard.changed_ms).collect::<Vec<_>>(),
         [2]
     );
-    at.is_sound().await;
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn a_set_is_one_job_whose_frames_nobody_renders_here() {
-    let at = Fixture::new().await;
-    at.catalogue.insert_job(new_job(JOB, 4)).await.unwrap();
-    let again = at.catalogue.insert_job(new_job("job_again", 4)).await.unwrap();
+    let db = Fixture::new().await;
+    db.catalogue.insert_job(new_job(JOB, 4)).await.unwrap();
+    let again = db.catalogue.insert_job(new_job("job_again", 4)).await.unwrap();
     assert!(matches!(again, InsertJob::Replayed(row) if row.id == JOB));
     let failed = vec![failure(1, 3, "boom", true)];
     let shard = NewShard {
         end: Some(ShardEnd { failed, ..end(1) }),
         ..shard(0, "a.tar")
     };
-    at.catalogue
-        .import(JOB, vec![at.image(JOB, 0, 0)], shard)
+    db.catalogue
+        .import(JOB, vec![db.image(JOB, 0, 0)], shard)
         .await
         .unwrap();
-    let row = at.catalogue.job(JOB).await.unwrap().unwrap();
+    let row = db.catalogue.job(JOB).await.unwrap().unwrap();
     assert_eq!((row.state, row.done, row.failed), (JobState::Running, 1, 1));
-    assert_eq!(at.all_failures(JOB).await, [failure(1, 3, "boom", true)]);
-    assert!(at.catalogue.open_jobs().await.unwrap().is_empty());
+    assert_eq!(db.all_failures(JOB).await, [failure(1, 3, "boom", true)]);
+    assert!(db.catalogue.open_jobs().await.unwrap().is_empty());
     for state in [JobState::Paused, JobState::Cancelled] {
-        let refused = at.catalogue.set_state(JOB, state).await;
+        let refused = db.catalogue.set_state(JOB, state).await;
         assert!(
             matches!(refused, Err(CatalogueError::Imported { .. })),
             "{refused:?}"
         );
     }
     assert!(matches!(
-        at.catalogue.retry_failed(JOB).await,
+        db.catalogue.retry_failed(JOB).await,
         Err(CatalogueError::Imported { .. })
     ));
-    at.is_sound().await;
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn a_frame_that_had_failed_and_is_imported_ends_its_job_anew() {
-    let at = Fixture::new().await;
-    at.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
+    let db = Fixture::new().await;
+    db.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
     let whole = |tar: &str, changed_ms, failed| NewShard {
         end: Some(ShardEnd {
             failed,
@@ -192,43 +192,43 @@ async fn a_frame_that_had_failed_and_is_imported_ends_its_job_anew() {
         ..shard(0, tar)
     };
     let failed = vec![failure(1, 3, "boom", true)];
-    let image = |frame| at.image(JOB, frame, 0);
-    at.catalogue
+    let image = |frame| db.image(JOB, frame, 0);
+    db.catalogue
         .import(JOB, vec![image(0)], whole("a.tar", 1, failed))
         .await
         .unwrap();
-    let row = at.catalogue.job(JOB).await.unwrap().unwrap();
+    let row = db.catalogue.job(JOB).await.unwrap().unwrap();
     assert_eq!((row.state, row.failed), (JobState::DoneWithFailures, 1));
-    at.catalogue
+    db.catalogue
         .import(JOB, vec![image(0), image(1)], whole("b.tar", 2, Vec::new()))
         .await
         .unwrap();
-    let row = at.catalogue.job(JOB).await.unwrap().unwrap();
+    let row = db.catalogue.job(JOB).await.unwrap().unwrap();
     assert_eq!((row.state, row.done, row.failed), (JobState::Done, 2, 0));
     assert!(row.digest.is_some());
-    at.is_sound().await;
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn a_deleted_import_leaves_nothing_and_keeps_what_the_packs_hold() {
-    let at = Fixture::new().await;
+    let db = Fixture::new().await;
     // The same images, rendered here: their bytes are in the packs.
-    at.job("job_here", "reef", 2, 2).await;
-    at.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
-    let images = (0..2).map(|frame| at.image("job_here", frame, 0)).collect();
-    at.catalogue.import(JOB, images, shard(0, "a.tar")).await.unwrap();
-    at.catalogue.delete_job(JOB).await.unwrap();
-    let late = at.catalogue.import(JOB, Vec::new(), shard(2, "b.tar")).await;
+    db.job("job_here", "reef", 2, 2).await;
+    db.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
+    let images = (0..2).map(|frame| db.image("job_here", frame, 0)).collect();
+    db.catalogue.import(JOB, images, shard(0, "a.tar")).await.unwrap();
+    db.catalogue.delete_job(JOB).await.unwrap();
+    let late = db.catalogue.import(JOB, Vec::new(), shard(2, "b.tar")).await;
     assert!(matches!(late, Err(CatalogueError::NotFound { .. })), "{late:?}");
-    while at.catalogue.sweep().await.unwrap() {}
-    assert_eq!(at.counts().await["shards"], 0);
-    assert!(at.catalogue.orphans(100).await.unwrap().is_empty());
+    while db.catalogue.sweep().await.unwrap() {}
+    assert_eq!(db.counts().await["shards"], 0);
+    assert!(db.catalogue.orphans(100).await.unwrap().is_empty());
     // The other way round a row of a set keeps no bytes in the packs.
-    at.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
-    let images = (0..2).map(|frame| at.image("job_here", frame, 0)).collect();
-    at.catalogue.import(JOB, images, shard(0, "a.tar")).await.unwrap();
-    at.catalogue.delete_job("job_here").await.unwrap();
-    while at.catalogue.sweep().await.unwrap() {}
-    assert_eq!(at.catalogue.orphans(100).await.unwrap().len(), 4);
-    at.is_sound().await;
+    db.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
+    let images = (0..2).map(|frame| db.image("job_here", frame, 0)).collect();
+    db.catalogue.import(JOB, images, shard(0, "a.tar")).await.unwrap();
+    db.catalogue.delete_job("job_here").await.unwrap();
+    while db.catalogue.sweep().await.unwrap() {}
+    assert_eq!(db.catalogue.orphans(100).await.unwrap().len(), 4);
+    db.is_sound().await;
 }

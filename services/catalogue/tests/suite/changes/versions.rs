@@ -48,10 +48,10 @@ impl Fixture {
 
 #[tokio::test]
 async fn the_root_follows_from_descriptions_and_images_whatever_the_jobs_are_called() {
-    let at = Fixture::new().await;
-    at.made_of("job_1", "a", "digest 4", 3).await;
-    at.made_of("job_2", "b", "digest 3", 5).await;
-    let (version, is_new) = at.catalogue.seal("bay", NOW).await.unwrap();
+    let db = Fixture::new().await;
+    db.made_of("job_1", "a", "digest 4", 3).await;
+    db.made_of("job_2", "b", "digest 3", 5).await;
+    let (version, is_new) = db.catalogue.seal("bay", NOW).await.unwrap();
     assert!(is_new);
     assert_eq!(
         (version.name.as_str(), version.images, version.jobs),
@@ -59,7 +59,7 @@ async fn the_root_follows_from_descriptions_and_images_whatever_the_jobs_are_cal
     );
     assert_eq!(version.code_versions, [env!("CARGO_PKG_VERSION")]);
     assert_eq!(version.root, root(&[job_root("b", 5), job_root("a", 3)]));
-    let parts = at.catalogue.version_jobs("bay", 1).await.unwrap();
+    let parts = db.catalogue.version_jobs("bay", 1).await.unwrap();
     let ids: Vec<_> = parts.iter().map(|part| (part.id.as_str(), part.images)).collect();
     assert_eq!(ids, [("job_2", 5), ("job_1", 3)]);
     assert_eq!(parts[0].description["dataset"], "bay");
@@ -82,113 +82,113 @@ async fn the_root_follows_from_descriptions_and_images_whatever_the_jobs_are_cal
 
 #[tokio::test]
 async fn a_version_stays_while_its_dataset_grows() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 4, 4).await;
-    let (first, _) = at.catalogue.seal("bay", NOW).await.unwrap();
-    let (again, is_new) = at.catalogue.seal("bay", NOW).await.unwrap();
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 4, 4).await;
+    let (first, _) = db.catalogue.seal("bay", NOW).await.unwrap();
+    let (again, is_new) = db.catalogue.seal("bay", NOW).await.unwrap();
     assert_eq!((&again, is_new), (&first, false), "nothing has changed");
-    at.job("job_b", "bay", 3, 2).await;
-    match at.catalogue.seal("bay", NOW).await {
+    db.job("job_b", "bay", 3, 2).await;
+    match db.catalogue.seal("bay", NOW).await {
         Err(CatalogueError::Transition { id, from, .. }) => assert_eq!((&*id, &*from), ("job_b", "running")),
         other => panic!("{other:?}"),
     }
-    at.catalogue
+    db.catalogue
         .set_state("job_b", JobState::Cancelled)
         .await
         .unwrap();
-    let (second, is_new) = at.catalogue.seal("bay", NOW).await.unwrap();
+    let (second, is_new) = db.catalogue.seal("bay", NOW).await.unwrap();
     assert_eq!((second.version, second.images, is_new), (2, 6, true));
-    assert_eq!(at.catalogue.versions("bay").await.unwrap(), [first, second]);
+    assert_eq!(db.catalogue.versions("bay").await.unwrap(), [first, second]);
 
-    assert_eq!(at.frames_of("bay@1").await, 4);
-    assert_eq!((at.frames_of("bay@2").await, at.frames_of("bay").await), (6, 6));
-    assert_eq!(at.frames_of("bay@3").await, 0);
+    assert_eq!(db.frames_of("bay@1").await, 4);
+    assert_eq!((db.frames_of("bay@2").await, db.frames_of("bay").await), (6, 6));
+    assert_eq!(db.frames_of("bay@3").await, 0);
     let metrics = ["uiqm".to_owned()];
-    let stats = at.catalogue.stats("bay@1", &metrics, None, None).await.unwrap();
+    let stats = db.catalogue.stats("bay@1", &metrics, None, None).await.unwrap();
     assert_eq!(stats.groups[0].count, 4);
-    let histogram = at
+    let histogram = db
         .catalogue
         .histogram("bay@2", None, "uiqm", 1, None)
         .await
         .unwrap();
     assert_eq!(histogram.counts, [6]);
-    assert_eq!(at.catalogue.dataset("bay@1").await.unwrap().unwrap().images, 4);
-    let jobs = at
+    assert_eq!(db.catalogue.dataset("bay@1").await.unwrap().unwrap().images, 4);
+    let jobs = db
         .catalogue
         .jobs(Some("bay@1".to_owned()), None, 9, None)
         .await
         .unwrap();
     assert_eq!(jobs.items.len(), 1);
     assert!(
-        at.catalogue
+        db.catalogue
             .columns("bay@1")
             .await
             .unwrap()
             .iter()
             .any(|column| column.name == "labels.run")
     );
-    let nowhere = at.catalogue.stats("bay@3", &metrics, None, None).await;
+    let nowhere = db.catalogue.stats("bay@3", &metrics, None, None).await;
     assert!(matches!(nowhere, Err(CatalogueError::NotFound { .. })));
-    assert_eq!(at.catalogue.dataset("bay@3").await.unwrap(), None);
+    assert_eq!(db.catalogue.dataset("bay@3").await.unwrap(), None);
 }
 
 #[tokio::test]
 async fn nothing_changes_a_sealed_job_until_it_is_unsealed() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3, 2).await;
-    at.give_up("job_a", 2).await;
-    at.catalogue.seal("bay", NOW).await.unwrap();
+    let db = Fixture::new().await;
+    db.job("job_a", "bay", 3, 2).await;
+    db.give_up("job_a", 2).await;
+    db.catalogue.seal("bay", NOW).await.unwrap();
     let sealed = |error: CatalogueError| match error {
         CatalogueError::Sealed { job, .. } => assert_eq!(job, "job_a"),
         other => panic!("{other:?}"),
     };
-    sealed(at.catalogue.delete_job("job_a").await.unwrap_err());
-    sealed(at.catalogue.delete_dataset("bay").await.unwrap_err());
-    sealed(at.catalogue.retry_failed("job_a").await.unwrap_err());
-    let late = at
+    sealed(db.catalogue.delete_job("job_a").await.unwrap_err());
+    sealed(db.catalogue.delete_dataset("bay").await.unwrap_err());
+    sealed(db.catalogue.retry_failed("job_a").await.unwrap_err());
+    let late = db
         .catalogue
         .insert_image("job_a", &synthetic::record("job_a", 2), 0)
         .await;
     sealed(late.unwrap_err());
-    let repeated = at
+    let repeated = db
         .catalogue
         .insert_image("job_a", &synthetic::record("job_a", 1), 0)
         .await;
     assert_eq!(repeated.unwrap(), InsertImage::AlreadyThere);
-    assert_eq!(at.frames_of("bay@1").await, 2);
+    assert_eq!(db.frames_of("bay@1").await, 2);
 
-    at.catalogue.unseal("bay", 1, NOW).await.unwrap();
+    db.catalogue.unseal("bay", 1, NOW).await.unwrap();
     assert!(matches!(
-        at.catalogue.unseal("bay", 1, NOW).await,
+        db.catalogue.unseal("bay", 1, NOW).await,
         Err(CatalogueError::NotFound { .. })
     ));
-    assert_eq!(at.catalogue.version("bay", 1).await.unwrap(), None);
-    at.catalogue.retry_failed("job_a").await.unwrap();
-    synthetic::fill(&at.catalogue, "job_a", 2..3, 0).await.unwrap();
+    assert_eq!(db.catalogue.version("bay", 1).await.unwrap(), None);
+    db.catalogue.retry_failed("job_a").await.unwrap();
+    synthetic::fill(&db.catalogue, "job_a", 2..3, 0).await.unwrap();
     // What was called `bay@1` once is never called so again.
-    let (version, _) = at.catalogue.seal("bay", NOW).await.unwrap();
+    let (version, _) = db.catalogue.seal("bay", NOW).await.unwrap();
     assert_eq!((version.version, version.images), (2, 3));
-    at.catalogue.unseal("bay", 2, NOW).await.unwrap();
-    at.catalogue.delete_dataset("bay").await.unwrap();
-    at.job("job_b", "bay", 1, 1).await;
-    assert_eq!(at.catalogue.seal("bay", NOW).await.unwrap().0.version, 3);
-    at.is_sound().await;
+    db.catalogue.unseal("bay", 2, NOW).await.unwrap();
+    db.catalogue.delete_dataset("bay").await.unwrap();
+    db.job("job_b", "bay", 1, 1).await;
+    assert_eq!(db.catalogue.seal("bay", NOW).await.unwrap().0.version, 3);
+    db.is_sound().await;
 }
 
 #[tokio::test]
 async fn what_has_no_images_is_not_sealed() {
-    let at = Fixture::new().await;
+    let db = Fixture::new().await;
     assert!(matches!(
-        at.catalogue.seal("bay", NOW).await,
+        db.catalogue.seal("bay", NOW).await,
         Err(CatalogueError::NotFound { .. })
     ));
-    at.job("job_a", "bay", 3, 0).await;
-    at.catalogue
+    db.job("job_a", "bay", 3, 0).await;
+    db.catalogue
         .set_state("job_a", JobState::Cancelled)
         .await
         .unwrap();
     assert!(matches!(
-        at.catalogue.seal("bay", NOW).await,
+        db.catalogue.seal("bay", NOW).await,
         Err(CatalogueError::Unsealable { .. })
     ));
 }
