@@ -82,8 +82,7 @@ async fn provenance(
     Ok(text.flatten().and_then(|text| serde_json::from_str(&text).ok()))
 }
 
-/// Frames that are counted at once. Counting a complete run takes a tenth of the time of a list of its frames; only runs with gaps
-/// are listed.
+/// Frames per count. A count is ten times as fast as a list of the frames, which only runs with gaps need.
 const RUN: u64 = 8192;
 
 /// Runs of neighboring frames that have an image.
@@ -92,41 +91,48 @@ async fn done_ranges(
     job: &str,
 ) -> Result<Vec<Range<u64>>, CatalogueError> {
     let mut done: Vec<Range<u64>> = Vec::new();
-    let mut push = |range: Range<u64>| match done.last_mut() {
-        Some(last) if last.end == range.start => last.end = range.end,
-        _ => done.push(range),
-    };
     let mut next = first_image(connection, job, 0).await?;
     while let Some(first) = next {
-        let run = first..first + RUN;
+        let (start, end) = (first, first + RUN);
         let images: i64 =
             sqlx::query_scalar("SELECT count(*) FROM images WHERE job_id = ? AND frame >= ? AND frame < ?")
                 .bind(job)
-                .bind(run.start as i64)
-                .bind(run.end as i64)
+                .bind(stored::number(start))
+                .bind(stored::number(end))
                 .fetch_one(&mut *connection)
                 .await?;
         if images as u64 == RUN {
-            push(run.clone());
+            append(&mut done, start..end);
         } else {
             let frames: Vec<i64> = sqlx::query_scalar(
                 "SELECT frame FROM images WHERE job_id = ? AND frame >= ? AND frame < ? ORDER BY frame",
             )
             .bind(job)
-            .bind(run.start as i64)
-            .bind(run.end as i64)
+            .bind(stored::number(start))
+            .bind(stored::number(end))
             .fetch_all(&mut *connection)
             .await?;
-            frames
-                .into_iter()
-                .for_each(|frame| push(frame as u64..frame as u64 + 1));
+            for frame in frames {
+                append(&mut done, frame as u64..frame as u64 + 1);
+            }
         }
-        next = first_image(connection, job, run.end).await?;
+        next = match i64::try_from(end) {
+            Ok(_) => first_image(connection, job, end).await?,
+            Err(_) => None,
+        };
     }
     Ok(done)
 }
 
-/// The first frame with an image from a frame on.
+/// Appends a range, or extends the last one by it.
+fn append(ranges: &mut Vec<Range<u64>>, range: Range<u64>) {
+    match ranges.last_mut() {
+        Some(last) if last.end == range.start => last.end = range.end,
+        _ => ranges.push(range),
+    }
+}
+
+/// The first frame with an image, from a frame on.
 async fn first_image(
     connection: &mut SqliteConnection,
     job: &str,
@@ -135,7 +141,7 @@ async fn first_image(
     let first: Option<i64> =
         sqlx::query_scalar("SELECT min(frame) FROM images WHERE job_id = ? AND frame >= ?")
             .bind(job)
-            .bind(from as i64)
+            .bind(stored::number(from))
             .fetch_one(connection)
             .await?;
     Ok(first.map(|frame| frame as u64))

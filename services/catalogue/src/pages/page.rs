@@ -36,7 +36,7 @@ impl Catalogue {
         Ok(self.image_page(&query).await?.into_objects())
     }
 
-    /// The page of [`Catalogue::images`] as JSON, in half of the time that a tree of values takes.
+    /// The page of [`Catalogue::images`] as JSON text, without an object for each row.
     ///
     /// # Errors
     /// As [`Catalogue::images`].
@@ -53,18 +53,29 @@ impl Catalogue {
         if let Some(found) = self.top_k(query).await? {
             let statement = PageStatement::of_rows(&self.columns, query, &found)?;
             if found.is_empty() {
-                return Ok(statement.named(Page::whole(Vec::new())));
+                return Ok(statement.add_names(Page::whole(Vec::new())));
             }
-            let (page, rows) =
-                within(rows(&mut *self.reader().await?, &statement, query, &self.damage)).await?;
+            let (page, rows) = within(read_rows(
+                &mut *self.reader().await?,
+                &statement,
+                query,
+                &self.damage,
+            ))
+            .await?;
             // Else some of them have gone since they were found.
             if rows == found.len() || page.next_cursor.is_some() {
-                return Ok(statement.named(page));
+                return Ok(statement.add_names(page));
             }
         }
         let statement = PageStatement::new(&self.columns, query)?;
-        let (page, _) = within(rows(&mut *self.reader().await?, &statement, query, &self.damage)).await?;
-        Ok(statement.named(page))
+        let (page, _) = within(read_rows(
+            &mut *self.reader().await?,
+            &statement,
+            query,
+            &self.damage,
+        ))
+        .await?;
+        Ok(statement.add_names(page))
     }
 }
 
@@ -74,7 +85,7 @@ pub(super) struct ImagePage {
     pub(super) page: Page<Vec<Cell>>,
 }
 
-/// A value of an image. Most of the columns have none in most images.
+/// A value of an image; most columns are empty in most images.
 pub(super) struct Cell {
     /// Index of its name.
     pub(super) name: usize,
@@ -84,14 +95,14 @@ pub(super) struct Cell {
 impl ImagePage {
     pub(super) fn into_objects(self) -> Page<Value> {
         let Self { names, page } = self;
-        let object = |cells: Vec<Cell>| {
+        let rows = page.items.into_iter().map(|cells: Vec<Cell>| {
             let pairs = cells
                 .into_iter()
                 .map(|cell| (names[cell.name].clone(), cell.value));
             Value::Object(pairs.collect())
-        };
+        });
         Page {
-            items: page.items.into_iter().map(object).collect(),
+            items: rows.collect(),
             next_cursor: page.next_cursor,
             damaged: page.damaged,
         }
@@ -99,7 +110,7 @@ impl ImagePage {
 }
 
 /// A page without damaged rows, and how many rows were read for it.
-async fn rows(
+async fn read_rows(
     connection: &mut SqliteConnection,
     statement: &PageStatement,
     query: &ImageQuery,
@@ -267,7 +278,7 @@ impl PageStatement {
             .sum()
     }
 
-    fn named(&self, page: Page<Vec<Cell>>) -> ImagePage {
+    fn add_names(&self, page: Page<Vec<Cell>>) -> ImagePage {
         ImagePage {
             names: self.fields.iter().map(|(name, _)| name.clone()).collect(),
             page,

@@ -35,7 +35,7 @@ async fn finished_frames_are_found_whatever_their_gaps() {
     let db = Fixture::new().await;
     db.job("job_a", "bay", FRAMES, 0).await;
     assert!(db.open_job("job_a").await.done.is_empty());
-    // Runs of frames that end within, at and after the frames that are counted at once, and single ones.
+    // Single frames, and runs that end within, at and after the frames of one count.
     let runs = [3..4, 6..8200, 8201..8202, 8203..16_600, 90_000..90_001];
     for run in runs.clone() {
         synthetic::fill(&db.catalogue, "job_a", run, 0).await.unwrap();
