@@ -83,6 +83,11 @@ function encoded(value) {
   return 255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055);
 }
 
+// The share of an sRGB code in linear light, both in 0..1.
+function decoded(code) {
+  return code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4;
+}
+
 // A color of shares, linear or display-encoded, as `#rrggbb`.
 export function toHex(color, isLinear) {
   return `#${color.map((share) => Math.round(Math.min(255, isLinear ? encoded(share) : 255 * share)).toString(16).padStart(2, "0")).join("")}`;
@@ -91,8 +96,7 @@ export function toHex(color, isLinear) {
 export function fromHex(text, isLinear) {
   return [1, 3, 5].map((start) => {
     const code = parseInt(text.slice(start, start + 2), 16) / 255;
-    const linear = code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4;
-    return Number((isLinear ? linear : code).toFixed(3));
+    return Number((isLinear ? decoded(code) : code).toFixed(3));
   });
 }
 
@@ -170,6 +174,12 @@ export function shade(share) {
   const place = Math.min(1, Math.max(0, share)) * (RAMP.length - 1);
   const low = Math.min(RAMP.length - 2, Math.floor(place));
   return RAMP[low].map((value, channel) => Math.round(value + (RAMP[low + 1][channel] - value) * (place - low)));
+}
+
+// Black or white, the one with more contrast on a color of codes 0..255 (WCAG 2): both have 4.58 at a luminance of 0.179.
+export function textColor(rgb) {
+  const [r, g, b] = rgb.map((code) => decoded(code / 255));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000" : "#fff";
 }
 
 export function categoryColor(number) {

@@ -3,7 +3,7 @@
 import { get, list, send } from "./api.js";
 import { curves } from "./chart.js";
 import { h, heading, put, same, select, table } from "./dom.js";
-import { shade } from "./picture.js";
+import { shade, textColor } from "./picture.js";
 import { count, number, path } from "./text.js";
 
 const SAMPLE = 24;
@@ -69,17 +69,17 @@ async function stability(place, route) {
       const change = Number(row.ssim_after) - Number(row.ssim_before);
       const label = what === "ssim" ? `${change > 0 ? "+" : ""}${change.toFixed(2)}`.replace(/^[-+](0\.00)$/, "$1") : `${row.gain}×`;
       const share = what === "ssim" ? 0.5 - change : Math.log10(Math.max(1, Number(row.gain))) / 2;
-      const [r, g, b] = shade(share);
+      const color = shade(share);
       const td = h("td", { title: `${row.degradation} ${row.value}: SSIM ${row.ssim_before} to ${row.ssim_after}, gain ${row.gain}, failures ${row.failures}` }, label);
-      td.style.background = `rgb(${r} ${g} ${b})`;
-      td.style.color = 0.3 * r + 0.59 * g + 0.11 * b > 110 ? "#000" : "#fff";
+      td.style.background = `rgb(${color.join(" ")})`;
+      td.style.color = textColor(color);
       return td;
     };
     const kinds = [...new Set(shown.map((row) => row.degradation))];
     put(place, h("h2", {}, "Where enhancements fail"), h("div.row", {}, select("Method", methods, method, (value) => change({ method: value })),
       select("Map", shows, what, (value) => change({ map: value }))),
-    h("p.quiet", {}, `${worse} of ${shown.length} cells move the picture away from the clean one on average; bright is worse. Shipped figures of 8 scenes under water, each degraded in `
-      + "8 steps; those of ibla and suir are of their earlier form."),
+    h("p.quiet", {}, `${worse} of ${shown.length} cells move the picture away from the clean one on average; bright is worse. Shipped figures of 8 scenes under water, each `
+      + "degraded in 8 steps."),
     h("div.wide", {}, h("table.map", { "aria-label": `${method}: ${what}` }, kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, kind),
       shown.filter((row) => row.degradation === kind).map(cell))))));
   };
