@@ -4,8 +4,8 @@
 //! cargo run --release -p synthetic --example service -- 1000000
 //! ```
 //!
-//! The arguments are the number of images in the catalogue, and a folder to fill and keep, which a later run measures again.
-//! Without a folder, a temporary one is filled and removed.
+//! The arguments are the number of images in the catalogue, and the folder to measure on, which must not exist and is removed
+//! afterwards.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,18 +30,18 @@ const TWO_METRICS: &str = "uiqm > 0.5 and uciqe > 0.3";
 fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args().skip(1);
     let rows = arguments.next().map_or(Ok(1_000_000), |rows| rows.parse())?;
+    let folder = arguments.next().map(PathBuf::from);
+    let folder =
+        folder.unwrap_or_else(|| std::env::temp_dir().join(format!("fathom-rates-{}", std::process::id())));
+    anyhow::ensure!(
+        !folder.exists(),
+        "{} exists already; name a new folder",
+        folder.display()
+    );
     println!("| operation | times | p50, ms | p99, ms | target, p99 |\n|---|---|---|---|---|");
-    let commits = match arguments.next().map(PathBuf::from) {
-        Some(folder) => measure(rows, &folder)?,
-        None => {
-            let folder = std::env::temp_dir().join(format!("fathom-rates-{}", std::process::id()));
-            let measured = measure(rows, &folder);
-            std::fs::remove_dir_all(&folder)
-                .with_context(|| format!("cannot remove {}", folder.display()))?;
-            measured?
-        }
-    };
-    println!("\n{rows} images stored and as many frames waiting. {commits}");
+    let measured = measure(rows, &folder);
+    std::fs::remove_dir_all(&folder).with_context(|| format!("cannot remove {}", folder.display()))?;
+    println!("\n{rows} images stored and as many frames waiting. {}", measured?);
     Ok(())
 }
 
@@ -64,11 +64,7 @@ fn time_once<R>(call: impl FnOnce() -> R) -> f64 {
 
 fn measure(rows: u64, folder: &Path) -> anyhow::Result<String> {
     let runtime = Runtime::new().context("cannot start the asynchronous runtime")?;
-    let commits = if folder.exists() {
-        "Filled by an earlier run.".to_owned()
-    } else {
-        runtime.block_on(fill(rows, folder))?
-    };
+    let commits = runtime.block_on(fill(rows, folder))?;
     print_times(
         "start of the service",
         "1000 ms",
@@ -130,6 +126,7 @@ fn repeat(count: usize, mut call: impl FnMut() -> anyhow::Result<()>) -> anyhow:
 
 /// Fills a catalogue with images and as many pending frames; returns the commit rates.
 async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
+    // The metrics of the service: otherwise its first start adds columns, and SQLite reads the whole table for each.
     let metrics = renderer::vocabulary(&Library::embedded()?, false).metrics;
     let data = Data::open(folder, &metrics).await?;
     let now = SystemTime::UNIX_EPOCH.elapsed();

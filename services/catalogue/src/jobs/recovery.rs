@@ -82,7 +82,7 @@ async fn provenance(
     Ok(text.flatten().and_then(|text| serde_json::from_str(&text).ok()))
 }
 
-/// Frames per count. A count is ten times as fast as a list of the frames, which only runs with gaps need.
+/// Frames per count. A complete run of frames costs one row of a query; only runs with gaps are listed frame by frame.
 const RUN: u64 = 8192;
 
 /// Runs of neighboring frames that have an image.
@@ -92,28 +92,13 @@ async fn done_ranges(
 ) -> Result<Vec<Range<u64>>, CatalogueError> {
     let mut done: Vec<Range<u64>> = Vec::new();
     let mut next = first_image(connection, job, 0).await?;
-    while let Some(first) = next {
-        let (start, end) = (first, first + RUN);
-        let images: i64 =
-            sqlx::query_scalar("SELECT count(*) FROM images WHERE job_id = ? AND frame >= ? AND frame < ?")
-                .bind(job)
-                .bind(stored::number(start))
-                .bind(stored::number(end))
-                .fetch_one(&mut *connection)
-                .await?;
-        if images as u64 == RUN {
+    while let Some(start) = next {
+        let end = start + RUN;
+        if count_images(connection, job, start, end).await? == RUN {
             append(&mut done, start..end);
         } else {
-            let frames: Vec<i64> = sqlx::query_scalar(
-                "SELECT frame FROM images WHERE job_id = ? AND frame >= ? AND frame < ? ORDER BY frame",
-            )
-            .bind(job)
-            .bind(stored::number(start))
-            .bind(stored::number(end))
-            .fetch_all(&mut *connection)
-            .await?;
-            for frame in frames {
-                append(&mut done, frame as u64..frame as u64 + 1);
+            for frame in list_images(connection, job, start, end).await? {
+                append(&mut done, frame..frame + 1);
             }
         }
         next = match i64::try_from(end) {
@@ -122,6 +107,38 @@ async fn done_ranges(
         };
     }
     Ok(done)
+}
+
+async fn count_images(
+    connection: &mut SqliteConnection,
+    job: &str,
+    start: u64,
+    end: u64,
+) -> Result<u64, CatalogueError> {
+    let sql = "SELECT count(*) FROM images WHERE job_id = ? AND frame >= ? AND frame < ?";
+    let images: i64 = sqlx::query_scalar(sql)
+        .bind(job)
+        .bind(stored::number(start))
+        .bind(stored::number(end))
+        .fetch_one(connection)
+        .await?;
+    Ok(images as u64)
+}
+
+async fn list_images(
+    connection: &mut SqliteConnection,
+    job: &str,
+    start: u64,
+    end: u64,
+) -> Result<Vec<u64>, CatalogueError> {
+    let sql = "SELECT frame FROM images WHERE job_id = ? AND frame >= ? AND frame < ? ORDER BY frame";
+    let frames: Vec<i64> = sqlx::query_scalar(sql)
+        .bind(job)
+        .bind(stored::number(start))
+        .bind(stored::number(end))
+        .fetch_all(connection)
+        .await?;
+    Ok(frames.into_iter().map(|frame| frame as u64).collect())
 }
 
 /// Appends a range, or extends the last one by it.

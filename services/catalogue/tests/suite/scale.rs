@@ -35,12 +35,20 @@ async fn finished_frames_are_found_whatever_their_gaps() {
     let db = Fixture::new().await;
     db.job("job_a", "bay", FRAMES, 0).await;
     assert!(db.open_job("job_a").await.done.is_empty());
-    // Single frames, and runs that end within, at and after the frames of one count.
-    let runs = [3..4, 6..8200, 8201..8202, 8203..16_600, 90_000..90_001];
+    // The first and the last run have 8192 frames, which are counted, and a few more, which are listed.
+    let runs = [0..8195, 8197..8198, 9000..9001, 20_000..28_200];
     for run in runs.clone() {
         synthetic::fill(&db.catalogue, "job_a", run, 0).await.unwrap();
     }
-    db.job("job_b", "bay", FRAMES, 5).await;
+    let first = 0..5;
+    db.job("job_b", "bay", FRAMES, first.end).await;
     assert_eq!(db.open_job("job_a").await.done, runs);
-    assert_eq!(db.open_job("job_b").await.done, [0..5]);
+    assert_eq!(db.open_job("job_b").await.done, [first]);
+    // The last frame that SQLite can number.
+    let last = i64::MAX as u64 - 1..i64::MAX as u64;
+    db.job("job_c", "bay", last.end, 0).await;
+    synthetic::fill(&db.catalogue, "job_c", last.clone(), 0)
+        .await
+        .unwrap();
+    assert_eq!(db.open_job("job_c").await.done, [last]);
 }
