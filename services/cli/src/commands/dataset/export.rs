@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let client = arguments.server.client();
-    let selection = Selection::read(&client, arguments)?;
+    let mut selection = Selection::read(&client, arguments)?;
     let split = arguments.split.as_ref();
     let mut card = format.card(
         &arguments.dataset,
@@ -55,6 +55,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     );
     arguments.objects.describe(&mut card);
     let target = Target::open(&arguments.out, &card)?;
+    let requested = selection.column_names();
+    if format.has_times() {
+        selection.add_time_columns();
+    }
     let columns = selection.column_names();
     let mixed = list_mixed(&selection.columns);
     let order = Order {
@@ -69,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         dataset: Some(&arguments.dataset),
         filter: &arguments.filter,
         order_by: None,
-        fields: &columns,
+        fields: &requested,
         limit: usize::MAX,
     };
     let mut progress = Progress::new("export", "images", selection.images);

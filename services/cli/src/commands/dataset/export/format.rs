@@ -22,6 +22,14 @@ pub(crate) enum Format {
     Colmap,
     /// Cameras and poses of each sequence as transforms.json of nerfstudio
     Transforms,
+    /// A file of ROS 2 messages for each sequence: pictures, z-depth, masks, cameras, poses
+    Mcap,
+    /// Each sequence as in the TUM RGB-D benchmark, with z-depth
+    Tum,
+    /// Each sequence as in the EuRoC benchmark; stereo pairs as cam0 and cam1
+    Euroc,
+    /// Sequences as in the odometry benchmark of KITTI
+    Kitti,
 }
 
 impl Format {
@@ -36,6 +44,10 @@ impl Format {
             Self::Yolo => "yolo",
             Self::Colmap => "colmap",
             Self::Transforms => "transforms",
+            Self::Mcap => "mcap",
+            Self::Tum => "tum",
+            Self::Euroc => "euroc",
+            Self::Kitti => "kitti",
         }
     }
 
@@ -45,6 +57,8 @@ impl Format {
             Self::Coco => &["instances", "boxes"],
             Self::Yolo => &["boxes"],
             Self::WebDataset | Self::Parquet | Self::Colmap | Self::Transforms => &[RECORD],
+            Self::Tum => &["range", RECORD],
+            Self::Mcap | Self::Euroc | Self::Kitti => &[RECORD],
             Self::Folder | Self::Hf => &[],
         }
     }
@@ -54,14 +68,29 @@ impl Format {
         matches!(self, Self::Coco | Self::Yolo)
     }
 
-    /// Whether many frames share a file.
+    /// Whether its files have a fixed number of frames.
     pub(crate) fn is_sharded(self) -> bool {
         matches!(self, Self::WebDataset | Self::Parquet)
     }
 
+    /// Whether many frames share a file.
+    pub(crate) fn shares_files(self) -> bool {
+        self.is_sharded() || self == Self::Mcap
+    }
+
+    /// Whether its frames have times and are written sequence by sequence.
+    pub(crate) fn has_times(self) -> bool {
+        self == Self::Mcap || self.has_one_camera()
+    }
+
+    /// Whether a sequence has one camera, described once.
+    pub(crate) fn has_one_camera(self) -> bool {
+        matches!(self, Self::Tum | Self::Euroc | Self::Kitti)
+    }
+
     /// Whether its frames must have poses.
     pub(crate) fn needs_poses(self) -> bool {
-        matches!(self, Self::Colmap | Self::Transforms)
+        matches!(self, Self::Colmap | Self::Transforms) || self.has_times()
     }
 
     /// The settings that must not change when an export is continued.

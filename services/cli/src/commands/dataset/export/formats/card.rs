@@ -5,8 +5,9 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 use spec::{ArtifactKind, Encode};
 
-use crate::commands::dataset::export::format::Format;
+use crate::commands::dataset::export::format::{Format, RECORD};
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
+use crate::commands::dataset::export::formats::sequences::layout::Z_DEPTH;
 use crate::commands::dataset::export::input::origins::Origin;
 
 /// The content of a card.
@@ -56,7 +57,7 @@ impl Card<'_> {
         let _ = writeln!(
             page,
             "Each image has {}. Units and meanings: `fields.json`.",
-            self.kinds.join(", ")
+            self.listed_kinds().join(", ")
         );
         if self.parts.iter().any(|(name, _)| name.is_some()) {
             page.push_str("\n| part | images |\n|---|---|\n");
@@ -67,6 +68,18 @@ impl Card<'_> {
         }
         page.push_str(&self.tables());
         page
+    }
+
+    /// The kinds of files; formats with times have no file of the record, and z-depth in place of the range.
+    fn listed_kinds(&self) -> Vec<&str> {
+        let kinds = self.kinds.iter().map(String::as_str);
+        match self.format.has_times() {
+            true => kinds
+                .filter(|kind| *kind != RECORD)
+                .map(|kind| if kind == "range" { Z_DEPTH } else { kind })
+                .collect(),
+            false => kinds.collect(),
+        }
     }
 
     fn tables(&self) -> String {
@@ -154,7 +167,12 @@ impl Card<'_> {
             Format::Folder | Format::Coco | Format::Yolo => {
                 files("metadata.jsonl", &self.kinds[..self.kinds.len().min(1)])
             }
-            Format::Colmap | Format::Transforms => Vec::new(),
+            Format::Colmap
+            | Format::Transforms
+            | Format::Mcap
+            | Format::Tum
+            | Format::Euroc
+            | Format::Kitti => Vec::new(),
         }
     }
 
@@ -178,6 +196,18 @@ impl Card<'_> {
             }
             Format::Transforms => {
                 "Each folder is a sequence: its pictures below `images`, its poses in `transforms.json`."
+            }
+            Format::Mcap => {
+                "Each `.mcap` file is a sequence of ROS 2 messages: open it in Foxglove, with `ros2 bag play` or with `rosbags`."
+            }
+            Format::Tum => {
+                "Each folder is a sequence as in the TUM RGB-D benchmark; depth is z-depth, 5000 codes per meter."
+            }
+            Format::Euroc => {
+                "Each folder is a sequence as in the EuRoC benchmark, without an IMU; depth is z-depth in millimeters."
+            }
+            Format::Kitti => {
+                "Sequences and poses are as in the odometry benchmark of KITTI; depth is z-depth, 256 codes per meter."
             }
         }
     }

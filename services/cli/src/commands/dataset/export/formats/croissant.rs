@@ -85,6 +85,7 @@ fn file_set(format: Format) -> Option<Value> {
     let (pattern, media_type) = match format {
         Format::WebDataset => ("**/*.tar", "application/x-tar"),
         Format::Parquet => ("**/data/*.parquet", "application/x-parquet"),
+        Format::Mcap => ("**/*.mcap", "application/octet-stream"),
         _ => return None,
     };
     Some(json!({
@@ -102,7 +103,7 @@ fn record_set(format: Format, columns: &[ColumnInfo], rows: &RowFile) -> Value {
         .iter()
         .filter(|column| rows.columns.contains(&column.name));
     let mut fields: Vec<Value> = present.map(|column| field(&id, rows, column)).collect();
-    if !format.is_sharded() {
+    if !format.shares_files() {
         let file = ColumnInfo {
             name: "file_name".to_owned(),
             kind: "text".to_owned(),

@@ -6,11 +6,13 @@ use quality::MetricId;
 use serde_json::{Map, Value, json};
 use spec::{ArtifactKind, LabelType, Leaves, METRIC_NETWORK};
 
-use crate::commands::dataset::export::format::RECORD;
+use crate::commands::dataset::export::format::{Format, RECORD};
+use crate::commands::dataset::export::formats::sequences::layout::{Z_DEPTH, depth_unit};
 use crate::commands::dataset::export::input::selection::Selection;
+use crate::commands::dataset::export::input::times::{SEQUENCE, STAMP};
 
 /// Columns of every row that are not scalars of its record.
-const OWN: [(&str, &str); 7] = [
+const OWN: [(&str, &str); 9] = [
     ("job", "the job that rendered it"),
     ("frame", "its place in the job, from 0"),
     ("dataset", "the dataset that it joined"),
@@ -21,11 +23,20 @@ const OWN: [(&str, &str); 7] = [
     ),
     ("failed", "whether it failed; such frames have no image"),
     ("warned", "whether its record has warnings"),
+    (SEQUENCE, "the sequence that it belongs to"),
+    (STAMP, "its time in the sequence"),
 ];
 
 /// The file's text.
-pub(crate) fn fields(selection: &Selection, classes: &Named) -> String {
-    let arrays = selection.kinds.iter().map(|kind| (kind.clone(), array(kind)));
+pub(crate) fn fields(format: Format, selection: &Selection, classes: &Named) -> String {
+    let stored = selection
+        .kinds
+        .iter()
+        .filter(|kind| !(format.has_times() && *kind == RECORD));
+    let arrays = stored.map(|kind| match (format.has_times(), kind.as_str()) {
+        (true, "range") => (Z_DEPTH.to_owned(), z_depth(format)),
+        _ => (kind.clone(), array(kind)),
+    });
     let columns = selection.columns.iter().map(|column| {
         let about = json!({"kind": column.kind, "unit": column.unit, "meaning": meaning(column)});
         (column.name.clone(), about)
@@ -45,6 +56,11 @@ fn array(kind: &str) -> Value {
         None if kind == RECORD => json!({"unit": null, "meaning": "the record of the frame: JSON"}),
         None => Value::Null,
     }
+}
+
+fn z_depth(format: Format) -> Value {
+    let hole = if format == Format::Mcap { "NaN" } else { "0" };
+    json!({"unit": depth_unit(format), "meaning": format!("distance along the optical axis, {hole} without a return")})
 }
 
 /// The meaning of a column.

@@ -5,8 +5,11 @@ use cli::known;
 use client::{Client, ColumnInfo, StatisticsQuery};
 
 use crate::commands::dataset::export::arguments::Arguments;
-use crate::commands::dataset::export::format::RECORD;
+use crate::commands::dataset::export::format::{Format, RECORD};
+use crate::commands::dataset::export::formats::sequences::role::{RIGHT, check_kinds};
+use crate::commands::dataset::export::input::one_camera::{check_sequences, require_lens};
 use crate::commands::dataset::export::input::posed::PosedScenes;
+use crate::commands::dataset::export::input::times::{SEQUENCE, STAMP};
 
 /// The images and columns of an export.
 pub(crate) struct Selection {
@@ -37,6 +40,10 @@ impl Selection {
         };
         selection.check_kinds(arguments)?;
         selection.images = count(client, arguments, None)?;
+        if arguments.format.has_times() {
+            check_kinds(arguments.format, &selection.kinds)?;
+            selection.add_right_pictures(client, arguments)?;
+        }
         selection.check_every_image(client, arguments)?;
         Ok(selection)
     }
@@ -47,6 +54,32 @@ impl Selection {
 
     fn artifacts(&self) -> impl Iterator<Item = &String> {
         self.kinds.iter().filter(|kind| *kind != RECORD)
+    }
+
+    /// Adds the right pictures of stereo pairs if every image has one; the format tum has one camera.
+    fn add_right_pictures(&mut self, client: &Client, arguments: &Arguments) -> Result<(), Failure> {
+        let column = format!("artifacts.{RIGHT}");
+        let is_known = self.columns.iter().any(|info| info.name == column);
+        if !is_known || arguments.format == Format::Tum || self.kinds.iter().any(|kind| kind == RIGHT) {
+            return Ok(());
+        }
+        let pairs = count(client, arguments, Some(&format!("{column} is not null")))?;
+        if pairs == self.images && self.images > 0 {
+            self.kinds.push(RIGHT.to_owned());
+        }
+        Ok(())
+    }
+
+    /// The columns of exported rows: those of the service, and for formats with times those of the sequence.
+    pub(crate) fn add_time_columns(&mut self) {
+        let columns = [(SEQUENCE, "text", None), (STAMP, "number", Some("ns"))];
+        self.columns.extend(
+            columns.map(|(name, kind, unit): (_, _, Option<&str>)| ColumnInfo {
+                name: name.to_owned(),
+                kind: kind.to_owned(),
+                unit: unit.map(str::to_owned),
+            }),
+        );
     }
 
     fn check_kinds(&self, arguments: &Arguments) -> Result<(), Failure> {
@@ -95,6 +128,12 @@ impl Selection {
                      images out with --filter"
                 )));
             }
+        }
+        if let Some((condition, needed)) = require_lens(arguments.format) {
+            self.check_images(client, arguments, &condition, needed)?;
+        }
+        if arguments.format.has_times() {
+            check_sequences(client, arguments)?;
         }
         for kind in self.artifacts() {
             let needed = format!("they have no artifact `{kind}`; remove it from --kinds");

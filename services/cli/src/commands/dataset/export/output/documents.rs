@@ -65,7 +65,7 @@ impl Documents<'_> {
             rows: &rows,
         };
         let mut files = vec![
-            ("fields.json", fields(self.selection, &classes)),
+            ("fields.json", fields(*format, self.selection, &classes)),
             ("README.md", card.markdown()),
             (
                 "croissant.json",

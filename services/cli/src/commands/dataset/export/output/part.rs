@@ -15,6 +15,10 @@ use crate::commands::dataset::export::formats::coco::{Coco, Picture};
 use crate::commands::dataset::export::formats::croissant::RowFile;
 use crate::commands::dataset::export::formats::objects::{Object, objects};
 use crate::commands::dataset::export::formats::poses::Poses;
+use crate::commands::dataset::export::formats::recordings::gather::Recordings;
+use crate::commands::dataset::export::formats::sequences::body::Sequences;
+use crate::commands::dataset::export::formats::sequences::layout::SequencePlace;
+use crate::commands::dataset::export::formats::sequences::timed_frame::TimedFrame;
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::formats::yolo::{IMAGES, Labeled, Yolo};
 use crate::commands::dataset::export::formats::{hf, parquet};
@@ -39,6 +43,8 @@ pub(crate) enum Body {
     Coco(Coco),
     Yolo(Yolo),
     Poses(Poses),
+    Sequences(Sequences),
+    Recordings(Recordings),
 }
 
 /// A frame to fetch.
@@ -46,6 +52,8 @@ pub(crate) struct Task {
     pub(crate) row: ImageRow,
     pub(crate) place: Place,
     pub(crate) spot: Option<Spot>,
+    /// Its place in a format with times.
+    pub(crate) timed: Option<SequencePlace>,
     /// Position of its part.
     pub(crate) part: usize,
     pub(crate) home: Home,
@@ -56,13 +64,14 @@ pub(crate) enum Content {
     Files,
     Objects(Vec<Object>),
     View(View),
+    Timed(TimedFrame),
 }
 
 impl Task {
     /// Where the files of a frame go.
     pub(crate) fn home(format: Format, place: &Place, spot: Option<&Spot>) -> Home {
         match spot {
-            Some(spot) if format.needs_poses() => Poses::home(place, spot),
+            Some(spot) if format.needs_poses() && !format.has_times() => Poses::home(place, spot),
             _ if format == Format::Yolo => Home::nested(&[IMAGES], place),
             _ => Home::nested(&[], place),
         }
@@ -84,7 +93,7 @@ impl Content {
                 Ok(Self::Objects(objects))
             }
             Format::Colmap | Format::Transforms => View::read(folder, frame).map(Self::View),
-            Format::Folder | Format::WebDataset | Format::Parquet | Format::Hf => Ok(Self::Files),
+            _ => Ok(Self::Files),
         }
     }
 }
@@ -108,6 +117,8 @@ impl Part {
             Format::Coco => Body::Coco(Coco::create(&folder)?),
             Format::Yolo => Body::Yolo(Yolo::new(&folder)),
             Format::Colmap | Format::Transforms => Body::Poses(Poses::default()),
+            Format::Tum | Format::Euroc | Format::Kitti => Body::Sequences(Sequences::default()),
+            Format::Mcap => Body::Recordings(Recordings::new(folder.clone())),
         };
         Ok(Self {
             lists: Lists::create(&folder)?,
@@ -160,6 +171,10 @@ impl Part {
                 }
                 Ok(())
             }
+            (Body::Sequences(sequences), Content::Timed(timed)) => match &task.timed {
+                Some(place) => sequences.add(place, timed),
+                None => Ok(()),
+            },
             _ => Ok(()),
         }
     }
@@ -173,10 +188,13 @@ impl Part {
     pub(crate) fn finish(&mut self, export: &Finish<'_>) -> Result<RowFile, Failure> {
         let body = std::mem::replace(&mut self.body, Body::Files);
         let mut files = match body {
-            Body::Files | Body::Shards(_) => Vec::new(),
+            Body::Files | Body::Shards(_) | Body::Recordings(_) => Vec::new(),
             Body::Coco(coco) => vec![coco.finish(export.dataset, export.classes)?],
             Body::Yolo(yolo) => vec![yolo.finish()?],
             Body::Poses(poses) => poses.finish(export.format, export.target, self.name.as_deref())?,
+            Body::Sequences(sequences) => {
+                sequences.finish(export.format, export.target, self.name.as_deref())?
+            }
         };
         let rows = self.lists.finish_rows()?;
         let list = match export.format {

@@ -4,7 +4,7 @@
 //! that an existing shard needs no request.
 
 use std::fs::{self, File};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use cli::exit::Failure;
@@ -16,6 +16,7 @@ use serde_json::{Map, Value};
 use crate::commands::dataset::export::files::lists::{Lists, digest_of};
 use crate::commands::dataset::export::files::target::{create, draft_of, read, write};
 use crate::commands::dataset::export::format::Format;
+use crate::commands::dataset::export::formats::recordings::mcap;
 use crate::commands::dataset::export::formats::{parquet, webdataset};
 use crate::commands::dataset::export::input::frame::Place;
 use crate::commands::dataset::export::input::member::Member;
@@ -86,8 +87,6 @@ impl Shards {
 
     fn write(&mut self, writer: &Writer<'_>, lists: &mut Lists) -> Result<usize, Failure> {
         let rows = std::mem::take(&mut self.rows);
-        let values = rows.iter().map(|row| writer.order.values(row));
-        let values: Vec<Map<String, Value>> = values.collect();
         let extension = if writer.format == Format::Parquet {
             "parquet"
         } else {
@@ -95,52 +94,65 @@ impl Shards {
         };
         let name = format!("{:06}.{extension}", self.written);
         self.written += 1;
-        let path = self.folder.join(&name);
-        let note_path = path.with_file_name(format!(".{name}.done"));
-        let made_of = made_of(&values, writer.order.kinds);
-        // A note of another version is as good as none: the shard is written again.
-        let found: Option<Note> = read(&note_path)?.and_then(|note| serde_json::from_slice(&note).ok());
-        let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
-        let found = found.filter(|note| is_file && note.rows == made_of && note.places.len() == rows.len());
-        let kept = match found {
-            Some(note) if digest_of(&path)? == note.sha256 => Some(note),
-            _ => None,
-        };
-        let fetched = if kept.is_some() {
-            0
-        } else {
-            rows.len() * writer.order.kinds.len()
-        };
-        let note = match kept {
-            Some(note) => note,
-            None => {
-                let draft = draft_of(&path);
-                let file = create(&draft).with_context(|| format!("cannot write {}", path.display()))?;
-                let places = writer.write(&name, file, &rows)?;
-                let sha256 = digest_of(&draft)?;
-                fs::rename(&draft, &path).with_context(|| format!("cannot write {}", path.display()))?;
-                let note = Note {
-                    rows: made_of,
-                    sha256,
-                    places,
-                };
-                write(
-                    &note_path,
-                    serde_json::to_string(&note).context("a note is JSON")?.as_bytes(),
-                )?;
-                note
-            }
-        };
-        for (mut line, place) in values.into_iter().zip(note.places) {
-            // Inserted last: a column of the service must not replace the place of a file.
-            line.extend(place);
-            lists.add(&Value::Object(line))?;
-        }
-        let below = self.folder.file_name().filter(|name| *name == parquet::FOLDER);
-        let above = below.map_or_else(String::new, |below| format!("{}/", below.display()));
-        lists.add_sum(&note.sha256, &format!("{above}{name}"))?;
-        Ok(fetched)
+        write_shard(writer, lists, &self.folder, &name, &rows)
     }
+}
+
+/// Writes a file of these rows, or keeps it; adds the rows and its digest to the lists. Returns how many files were fetched.
+pub(crate) fn write_shard(
+    writer: &Writer<'_>,
+    lists: &mut Lists,
+    folder: &Path,
+    name: &str,
+    rows: &[ImageRow],
+) -> Result<usize, Failure> {
+    let values = rows.iter().map(|row| writer.order.values(row));
+    let values: Vec<Map<String, Value>> = values.collect();
+    let path = folder.join(name);
+    let note_path = path.with_file_name(format!(".{name}.done"));
+    let made_of = made_of(&values, writer.order.kinds);
+    // A note of another version is as good as none: the shard is written again.
+    let found: Option<Note> = read(&note_path)?.and_then(|note| serde_json::from_slice(&note).ok());
+    let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+    let found = found.filter(|note| is_file && note.rows == made_of && note.places.len() == rows.len());
+    let kept = match found {
+        Some(note) if digest_of(&path)? == note.sha256 => Some(note),
+        _ => None,
+    };
+    let fetched = if kept.is_some() {
+        0
+    } else {
+        rows.len() * writer.order.kinds.len()
+    };
+    let note = match kept {
+        Some(note) => note,
+        None => {
+            let draft = draft_of(&path);
+            let file = create(&draft).with_context(|| format!("cannot write {}", path.display()))?;
+            let places = writer.write(name, file, rows)?;
+            let sha256 = digest_of(&draft)?;
+            fs::rename(&draft, &path).with_context(|| format!("cannot write {}", path.display()))?;
+            let note = Note {
+                rows: made_of,
+                sha256,
+                places,
+            };
+            write(
+                &note_path,
+                serde_json::to_string(&note).context("a note is JSON")?.as_bytes(),
+            )?;
+            note
+        }
+    };
+    for (mut line, place) in values.into_iter().zip(note.places) {
+        // Inserted last: a column of the service must not replace the place of a file.
+        line.extend(place);
+        lists.add(&Value::Object(line))?;
+    }
+    let below = folder.file_name().filter(|name| *name == parquet::FOLDER);
+    let above = below.map_or_else(String::new, |below| format!("{}/", below.display()));
+    lists.add_sum(&note.sha256, &format!("{above}{name}"))?;
+    Ok(fetched)
 }
 
 impl Writer<'_> {
@@ -166,13 +178,14 @@ impl Writer<'_> {
                 parquet::write(file, self.columns, self.order.kinds, &mut pull)?;
                 Ok(vec![parquet::place(name); rows.len()])
             }
+            Format::Mcap => mcap::write(name, file, self.order.kinds, &mut pull),
             _ => webdataset::write(name, file, self.order.kinds, &mut pull),
         }
     }
 }
 
 /// A digest over the columns of frames and the kinds of their files.
-fn made_of(values: &[Map<String, Value>], kinds: &[String]) -> String {
+pub(crate) fn made_of(values: &[Map<String, Value>], kinds: &[String]) -> String {
     let rows = values.iter().map(|row| Value::Object(row.clone()).to_string());
     let text: Vec<String> = std::iter::once(kinds.join(",")).chain(rows).collect();
     spec::sha256(text.join("\n").as_bytes())

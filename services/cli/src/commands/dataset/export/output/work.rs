@@ -12,11 +12,13 @@ use rayon::prelude::*;
 use crate::commands::dataset::export::arguments::Arguments;
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
+use crate::commands::dataset::export::formats::sequences::timed_frame::FrameOrder;
 use crate::commands::dataset::export::input::frame::{Frame, Place};
 use crate::commands::dataset::export::input::order::Order;
 use crate::commands::dataset::export::input::origins::UsedNames;
 use crate::commands::dataset::export::input::selection::Selection;
 use crate::commands::dataset::export::input::sequences::Sequences;
+use crate::commands::dataset::export::input::times::{SEQUENCE, STAMP, Timed, Times};
 use crate::commands::dataset::export::output::documents::Documents;
 use crate::commands::dataset::export::output::part::{Body, Content, Finish, Part, Task};
 use crate::commands::dataset::export::output::shards::Writer;
@@ -32,6 +34,7 @@ pub(crate) struct Export<'a> {
     threads: rayon::ThreadPool,
     parts: Vec<Part>,
     sequences: Sequences<'a>,
+    times: Times<'a>,
     scenes: SceneClasses<'a>,
     /// Classes under the numbers that they have in all parts.
     classes: ClassNumbers,
@@ -62,6 +65,7 @@ impl<'a> Export<'a> {
                 .collect::<Result<_, _>>()?,
             threads: threads.context("cannot start threads")?,
             sequences: Sequences::new(order.client, &arguments.dataset),
+            times: Times::new(order.client, &arguments.dataset),
             scenes: SceneClasses::new(order.client),
             classes: ClassNumbers::default(),
             class_names: BTreeSet::new(),
@@ -80,7 +84,7 @@ impl<'a> Export<'a> {
     }
 
     /// Adds the next rows, in the order of jobs and frames.
-    pub(crate) fn add(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
+    pub(crate) fn add(&mut self, mut rows: Vec<ImageRow>) -> Result<(), Failure> {
         self.images += rows.len() as u64;
         let has_classes = self
             .selection
@@ -102,10 +106,22 @@ impl<'a> Export<'a> {
                 self.parts[part].add_classes(classes);
             }
         }
-        match self.arguments.format.is_sharded() {
+        let format = self.arguments.format;
+        if format.has_times() {
+            rows.iter_mut().try_for_each(|row| self.add_time(row))?;
+        }
+        match format.shares_files() {
             true => self.gather(rows),
             false => self.fetch(rows),
         }
+    }
+
+    /// Adds the columns of the sequence and the time.
+    fn add_time(&mut self, row: &mut ImageRow) -> Result<(), Failure> {
+        let Timed { sequence, stamp_ns } = self.times.assign_time(row, &Place::read(row)?)?;
+        row.0.insert(SEQUENCE.to_owned(), sequence.into());
+        row.0.insert(STAMP.to_owned(), stamp_ns.into());
+        Ok(())
     }
 
     fn part_of(&self, row: &ImageRow) -> usize {
@@ -119,39 +135,23 @@ impl<'a> Export<'a> {
             let part = self.part_of(&row);
             let writer = writer(&self.order, &self.threads, self.arguments.format, self.selection);
             let Part { body, lists, .. } = &mut self.parts[part];
-            if let Body::Shards(shards) = body {
-                self.fetched += shards.add(&writer, lists, row)?;
-            }
+            self.fetched += match body {
+                Body::Shards(shards) => shards.add(&writer, lists, row)?,
+                Body::Recordings(recordings) => recordings.add(&writer, lists, row)?,
+                _ => 0,
+            };
         }
         Ok(())
     }
 
     /// Fetches the files of frames into the folders of their parts.
     fn fetch(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
-        let format = self.arguments.format;
-        let needs_spots = format.needs_poses() || format == Format::Coco;
-        let mut tasks = Vec::with_capacity(rows.len());
-        for row in rows {
-            let place = Place::read(&row)?;
-            let spot = match needs_spots {
-                true => self.sequences.spot(&row, &place)?,
-                false => None,
-            };
-            tasks.push(Task {
-                part: self.part_of(&row),
-                home: Task::home(format, &place, spot.as_ref()),
-                row,
-                place,
-                spot,
-            });
-        }
-        let (parts, order, filter) = (&self.parts, &self.order, &self.arguments.objects);
+        let tasks = self.place_frames(rows)?;
+        let (parts, order, arguments) = (&self.parts, &self.order, self.arguments);
         let frames: Result<Vec<(Frame, Content)>, Failure> = self.threads.install(|| {
             let frames = tasks.par_iter().map(|task| {
                 let part = &parts[task.part];
-                let frame = order.complete(&task.row, &task.place, part.name.as_deref(), &task.home)?;
-                let content = Content::read(format, filter, &part.folder, &frame)?;
-                Ok((frame, content))
+                complete_frame(order, arguments, part, task)
             });
             frames.collect()
         });
@@ -163,14 +163,44 @@ impl<'a> Export<'a> {
         Ok(())
     }
 
+    /// Where the files of frames go.
+    fn place_frames(&mut self, rows: Vec<ImageRow>) -> Result<Vec<Task>, Failure> {
+        let format = self.arguments.format;
+        let needs_spots = !format.has_times() && (format.needs_poses() || format == Format::Coco);
+        let mut tasks = Vec::with_capacity(rows.len());
+        for row in rows {
+            let place = Place::read(&row)?;
+            let spot = match needs_spots {
+                true => self.sequences.spot(&row, &place)?,
+                false => None,
+            };
+            let part = self.part_of(&row);
+            let timed = match &mut self.parts[part].body {
+                Body::Sequences(sequences) => Some(sequences.assign_place(&Timed::read(&row)?)),
+                _ => None,
+            };
+            tasks.push(Task {
+                part,
+                home: Task::home(format, &place, spot.as_ref()),
+                row,
+                place,
+                spot,
+                timed,
+            });
+        }
+        Ok(tasks)
+    }
+
     /// Completes all parts and their documents.
     pub(crate) fn finish(mut self) -> Result<(), Failure> {
         let format = self.arguments.format;
         let writer = writer(&self.order, &self.threads, format, self.selection);
         for Part { body, lists, .. } in &mut self.parts {
-            if let Body::Shards(shards) = body {
-                self.fetched += shards.finish(&writer, lists)?;
-            }
+            self.fetched += match body {
+                Body::Shards(shards) => shards.finish(&writer, lists)?,
+                Body::Recordings(recordings) => recordings.write(&writer, lists)?,
+                _ => 0,
+            };
         }
         let present = self.class_names.iter().map(String::as_str);
         for class in self.arguments.objects.list_absent(present) {
@@ -201,6 +231,32 @@ impl<'a> Export<'a> {
         };
         documents.write(self.parts)
     }
+}
+
+/// Fetches the files of a frame that are missing, and reads what the format needs of them.
+fn complete_frame(
+    order: &Order<'_>,
+    arguments: &Arguments,
+    part: &Part,
+    task: &Task,
+) -> Result<(Frame, Content), Failure> {
+    let format = arguments.format;
+    let name = part.name.as_deref();
+    if let Some(spot) = &task.timed {
+        let frame = FrameOrder {
+            order,
+            format,
+            part: name,
+            row: &task.row,
+            place: &task.place,
+            spot,
+        };
+        let (frame, timed) = frame.complete()?;
+        return Ok((frame, Content::Timed(timed)));
+    }
+    let frame = order.complete(&task.row, &task.place, name, &task.home)?;
+    let content = Content::read(format, &arguments.objects, &part.folder, &frame)?;
+    Ok((frame, content))
 }
 
 fn writer<'a>(

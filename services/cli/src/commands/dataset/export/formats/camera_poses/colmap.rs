@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use spec::Distortion;
 
+use crate::commands::dataset::export::formats::quaternion::quaternion;
 use crate::commands::dataset::export::formats::view::View;
 
 /// Offset of COLMAP's coordinates from indices, in which the center of the first pixel is (0, 0).
@@ -37,7 +38,7 @@ pub(crate) fn model(shots: &[Shot]) -> [(&'static str, String); 3] {
                 let _ = writeln!(cameras, "{id} {}", camera(view));
                 id - 1
             });
-        let [w, x, y, z] = quaternion(view);
+        let [w, x, y, z] = quaternion(view.axes());
         let [tx, ty, tz] = translation(view);
         let (id, camera) = (index + 1, camera + 1);
         let _ = writeln!(images, "{id} {w} {x} {y} {z} {tx} {ty} {tz} {camera} {name}\n");
@@ -71,33 +72,6 @@ fn translation(view: &View) -> [f64; 3] {
         .map(|axis| 0.0 - (0..3).map(|at| axis[at] * center[at]).sum::<f64>())
 }
 
-/// The unit quaternion (w, x, y, z), w ≥ 0, of the rotation from the world to the camera, whose rows are the axes of the camera: by
-/// the largest of its four squares, so that no small number is divided by.
-fn quaternion(view: &View) -> [f64; 4] {
-    let m = view.axes();
-    let squares = [
-        1.0 + m[0][0] + m[1][1] + m[2][2],
-        1.0 + m[0][0] - m[1][1] - m[2][2],
-        1.0 - m[0][0] + m[1][1] - m[2][2],
-        1.0 - m[0][0] - m[1][1] + m[2][2],
-    ];
-    let [wx, wy, wz] = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
-    let [xy, xz, yz] = [m[0][1] + m[1][0], m[0][2] + m[2][0], m[1][2] + m[2][1]];
-    let rows = [
-        [squares[0], wx, wy, wz],
-        [wx, squares[1], xy, xz],
-        [wy, xy, squares[2], yz],
-        [wz, xz, yz, squares[3]],
-    ];
-    let most = (0..4)
-        .max_by(|a, b| squares[*a].total_cmp(&squares[*b]))
-        .unwrap_or(0);
-    let row = rows[most];
-    let length = row.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let sign = if row[0] < 0.0 { -1.0 } else { 1.0 };
-    row.map(|part| sign * part / length)
-}
-
 #[cfg(test)]
 mod tests {
     use spec::Intrinsics;
@@ -112,6 +86,7 @@ mod tests {
             intrinsics: Intrinsics::centered(50.0, 96, 64),
             distortion: None,
             world_from_camera: [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]],
+            baseline_m: None,
         }
     }
 
@@ -148,7 +123,7 @@ mod tests {
                     .map(|at| axis[at] * (point[at] - view.position()[at]))
                     .sum::<f64>()
             });
-            let (turned, shift) = (rotated(quaternion(&view), point), translation(&view));
+            let (turned, shift) = (rotated(quaternion(view.axes()), point), translation(&view));
             for at in 0..3 {
                 assert!((turned[at] + shift[at] - expected[at]).abs() < 1e-12, "{axes:?}");
             }

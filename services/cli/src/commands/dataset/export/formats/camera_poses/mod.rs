@@ -2,5 +2,6 @@
 
 pub(crate) mod colmap;
 pub(crate) mod poses;
+pub(crate) mod quaternion;
 pub(crate) mod transforms;
 pub(crate) mod view;

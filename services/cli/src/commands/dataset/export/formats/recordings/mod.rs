@@ -1,0 +1,9 @@
+//! Recordings of ROS 2 messages.
+
+mod cdr;
+mod container;
+pub(crate) mod gather;
+pub(crate) mod mcap;
+mod messages;
+mod schemas;
+mod topics;
