@@ -27,6 +27,9 @@ pub enum Failure {
     /// The store does not respond, or the set is paused; the same call may succeed later.
     #[error("{0}")]
     Later(String),
+    /// A program that was started has reported its failure; its exit status.
+    #[error("exit status {0}")]
+    Reported(u8),
     /// Anything else.
     #[error("{0:#}")]
     Other(#[from] anyhow::Error),
@@ -47,6 +50,7 @@ impl Failure {
             Self::NoServer(_) => 3,
             Self::RuntimeMissing(_) => 4,
             Self::Later(_) => 5,
+            Self::Reported(status) => *status,
         }
     }
 }
@@ -71,6 +75,7 @@ impl From<ClientError> for Failure {
 pub fn end(program: &str, result: Result<(), Failure>) -> u8 {
     match result {
         Ok(()) => 0,
+        Err(Failure::Reported(status)) => status,
         Err(failure) => {
             eprintln!("{program}: {failure}");
             failure.code()

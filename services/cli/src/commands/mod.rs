@@ -20,7 +20,7 @@ use dataset::{datasets, export, import, query, rm, scenes, seal, sheet, stats, u
 use help::{completions, list};
 use job::{control, errors, jobs, submit, wait};
 use picture::{enhance, measure};
-use rendering::{demo, new, plan, render};
+use rendering::{bag, demo, new, plan, render};
 use service::{backup, scrub, serve, worker};
 use sharded::{gc, status};
 use style::{styles, train, waters};
@@ -53,6 +53,8 @@ pub(crate) enum Command {
     Worker(cli::worker::Arguments),
     /// Render a job without a service
     Render(cli::render::Arguments),
+    /// Put the images of a ROS recording into water
+    Bag(bag::Arguments),
     /// Show the progress of a set
     Status(status::Arguments),
     /// Verify that a sealed dataset or a set has not changed
@@ -139,6 +141,7 @@ impl Command {
             Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
+            Self::Bag(arguments) => bag::run(&arguments),
             Self::Status(arguments) => status::run(&arguments),
             Self::Gc(arguments) => gc::run(&arguments),
             Self::Seal(arguments) => seal::run(&arguments),
@@ -164,7 +167,7 @@ impl Command {
             Self::Query(arguments) => query::run(&arguments),
             Self::Stats(arguments) => stats::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
-            Self::Upload(arguments) => upload::run(&arguments),
+            Self::Upload(arguments) => upload::run(arguments),
             Self::Scrub(arguments) => scrub::run(&arguments),
             Self::Backup(arguments) => backup::run(&arguments),
             Self::Sheet(arguments) => sheet::run(&arguments),

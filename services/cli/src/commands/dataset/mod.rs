@@ -4,6 +4,7 @@ pub(crate) mod datasets;
 pub(crate) mod export;
 pub(crate) mod import;
 pub(crate) mod query;
+pub(crate) mod recording;
 pub(crate) mod rm;
 pub(crate) mod scenes;
 pub(crate) mod seal;

@@ -4,6 +4,7 @@ mod arguments;
 mod color_masks;
 mod entries;
 mod folder;
+mod from_recording;
 mod layout;
 mod named;
 mod named_role;
@@ -21,12 +22,23 @@ use cli::exit::Failure;
 pub(crate) use arguments::Arguments;
 use entries::Unused;
 use folder::upload_folder;
+use from_recording::{refuse_topics, upload_recording};
 use layout::Layout;
 use plan::FolderPlan;
 use scene::{describe_summary, plan_picture, upload_scene};
 
+use super::recording::is_recording;
+
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+    if is_recording(&arguments.rgb) {
+        return upload_recording(arguments);
+    }
+    refuse_topics(&arguments)?;
+    upload_files(&arguments)
+}
+
+fn upload_files(arguments: &Arguments) -> Result<(), Failure> {
     let client = arguments.server.client();
     let named = [&arguments.range, &arguments.z_depth, &arguments.instances];
     if arguments.rgb.is_dir() {

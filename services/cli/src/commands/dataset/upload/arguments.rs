@@ -6,6 +6,7 @@ use cli::remote::ServerArguments;
 
 use super::layout::Layout;
 use super::plan::CameraNumbers;
+use crate::commands::dataset::recording::CameraArguments;
 
 /// Use of the channel of distances of an EXR picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -21,8 +22,8 @@ pub(super) enum EmbeddedDepth {
 /// Options of `fathom upload`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The picture (PNG, JPEG, WebP, BMP, TIFF or NPY; floats are linear light, as in EXR), or a folder of pictures with their
-    /// files in one of the layouts
+    /// The picture (PNG, JPEG, WebP, BMP, TIFF or NPY; floats are linear light, as in EXR), a folder of pictures with their
+    /// files in one of the layouts, or a ROS recording
     pub(super) rgb: PathBuf,
     /// Arrangement of a folder's files
     #[arg(long, value_enum, default_value = "auto")]
@@ -74,6 +75,14 @@ pub(crate) struct Arguments {
     /// The collection that the scenes join, under the names of their files: a job may then name the collection
     #[arg(long, value_name = "NAME")]
     pub(super) collection: Option<String>,
+    /// Pictures of a recording: Image or CompressedImage. The other options with topics are for recordings too
+    #[arg(long, value_name = "TOPIC")]
+    pub(super) image: Option<String>,
+    #[command(flatten)]
+    pub(super) recorded: CameraArguments,
+    /// Use one of so many frames of a recording
+    #[arg(long, value_name = "COUNT")]
+    pub(super) every: Option<u64>,
     #[command(flatten)]
     pub(super) server: ServerArguments,
 }

@@ -24,13 +24,22 @@ pub(super) struct Transforms {
 pub(super) struct Transform {
     /// Path of the picture; some programs leave the extension out.
     pub(super) file_path: String,
-    transform_matrix: Matrix,
+    /// Absent if the pose is unknown; the frame then has a camera alone.
+    #[serde(default)]
+    transform_matrix: Option<Matrix>,
     #[serde(default)]
     pub(super) depth_file_path: Option<String>,
     #[serde(default)]
     pub(super) mask_path: Option<String>,
     #[serde(flatten)]
     camera: Map<String, Value>,
+}
+
+impl Transform {
+    /// Whether the frame has neither a pose nor a camera of its own.
+    fn is_empty(&self) -> bool {
+        self.transform_matrix.is_none() && self.camera.is_empty()
+    }
 }
 
 /// Rows of the matrix from camera axes right, up, back to the world; some programs leave the last one out.
@@ -67,7 +76,7 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
     let transforms = read(path)?;
     let index = FrameIndex::new(&transforms.frames);
     let mut used = vec![false; transforms.frames.len()];
-    let mut posed = 0;
+    let mut found = 0;
     for scene in plan.scenes.iter_mut() {
         let matches = index.find(&scene.name, &transforms.frames);
         match matches[..] {
@@ -75,9 +84,9 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
             [index] => {
                 let frame = &transforms.frames[index];
                 used[index] = true;
-                posed += 1;
-                let matrix = picture_axes(frame.transform_matrix.0);
-                if !scene.files.contains_key(&Role::Pose) {
+                found += 1;
+                let matrix = frame.transform_matrix.map(|matrix| picture_axes(matrix.0));
+                if let (Some(matrix), false) = (matrix, scene.files.contains_key(&Role::Pose)) {
                     scene.pose = Some(json!({"world_from_camera": matrix}).to_string().into_bytes());
                 }
                 let picture = scene.files.get(&Role::Picture);
@@ -102,10 +111,17 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
             }
         }
     }
-    if posed == 0 && plan.problems.is_empty() {
+    if found == 0 && plan.problems.is_empty() {
         let example = transforms.frames.first().map_or("none", |frame| &frame.file_path);
         plan.problems.push(format!(
             "no picture fits a frame of {}; its first frame is {example}",
+            path.display()
+        ));
+    }
+    if let Some(frame) = transforms.frames.iter().find(|frame| frame.is_empty()) {
+        plan.problems.push(format!(
+            "{} of {} has neither `transform_matrix` nor a camera; give one of them",
+            frame.file_path,
             path.display()
         ));
     }
