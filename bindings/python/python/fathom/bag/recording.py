@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from enum import Enum
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,7 @@ class Recording:
         self.connections: list[Connection] = [
             connection for reader in self._readers for connection in reader.connections
         ]
-        self._store = get_typestore(Stores.ROS1_NOETIC if self.kind is Kind.ROS1 else Stores.ROS2_HUMBLE)
+        self._store = _load_types(self.kind is Kind.ROS1)
 
     def close(self) -> None:
         """Close the files."""
@@ -71,7 +72,7 @@ class Recording:
             except Exception as error:
                 # Damaged files make the libraries below raise errors of any type.
                 self.cut = self.cut or describe_error(error)
-            self.cut = self.cut or getattr(reader, "cut", None)
+            self.cut = getattr(reader, "cut", None) or self.cut
 
     def find(self, topic: str) -> list[Connection]:
         """Return the connections of a topic; raises `BagError` with the topics of the recording."""
@@ -104,22 +105,40 @@ class Recording:
         return self._store
 
     def _open(self) -> list[Reader]:
-        try:
-            reader: Any = Ros1Reader(self.path) if self.kind is Kind.ROS1 else Ros2Reader(self.path)
-            if not _has_log(self.path):
-                reader.open()
-                return [reader]
-            reason = "a write-ahead log shows that it was not closed"
-        except PermissionError as error:
-            raise BagError(f"{self.path}: {error.strerror}") from None
-        except Exception as error:
-            reason = describe_error(error)
-        self.cut = reason
+        reason = "a write-ahead log shows that it was not closed"
+        if not _has_log(self.path):
+            try:
+                return [self._open_whole(self.path)]
+            except PermissionError as error:
+                raise BagError(f"{self.path}: {error.strerror}") from None
+            except Exception as error:
+                reason = describe_error(error)
         files = [self.path] if self.path.is_file() else list_storage(self.path)
-        readers = [open_damaged(file) for file in files]
+        readers = [self._open_part(file, reason) for file in files]
         if not any(reader.connections for reader in readers):
-            raise BagError(f"{self.path} has no readable message: {reason}")
+            raise BagError(f"{self.path} has no readable message: {self.cut}")
         return readers
+
+    def _open_whole(self, path: Path) -> Reader:
+        reader: Any = Ros1Reader(path) if self.kind is Kind.ROS1 else Ros2Reader(path)
+        reader.open()
+        return reader
+
+    def _open_part(self, file: Path, reason: str) -> Reader:
+        """Open a file of a folder, which may be complete without the folder's `metadata.yaml`."""
+        if file != self.path and not _has_log(file) and not file.name.endswith(".zstd"):
+            try:
+                return self._open_whole(file)
+            except Exception as error:
+                reason = describe_error(error)
+        damaged = open_damaged(file)
+        self.cut = damaged.cut or reason
+        return damaged
+
+
+@cache
+def _load_types(is_ros1: bool) -> Any:
+    return get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE)
 
 
 def find_kind(path: Path) -> Kind:

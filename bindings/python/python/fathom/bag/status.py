@@ -18,7 +18,7 @@ DONE, SOME_FRAMES, BAD_INPUT = 0, 1, 2
 def run(command: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> int:
     """Run a command and return its exit status; errors are printed."""
     # Temporary files are removed on the way out of a signal too.
-    signal.signal(signal.SIGTERM, _stop)
+    before = signal.signal(signal.SIGTERM, _stop)
     try:
         return command(arguments)
     except (BagError, FathomError) as error:
@@ -30,6 +30,8 @@ def run(command: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> in
     except KeyboardInterrupt:
         print("fathom: stopped; nothing was written", file=sys.stderr)
         return 128 + signal.SIGINT
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def end(recording: Recording, report: Report) -> int:
