@@ -71,11 +71,14 @@ def read_settings(values: Mapping[str, Any], before: Settings | None = None) -> 
 
 
 def _check(entry: dataclasses.Field[Any], value: Any) -> Any:
-    kind = type(entry.default)
-    checked: Any = float(value) if kind is float and type(value) is int else value
+    kind: type[Any] = type(entry.default)
+    checked: Any = value
+    if kind is float and type(value) is int:
+        checked = float(value)
     if type(checked) is not kind:
         raise InvalidArgument(f"`{entry.name}` is {value!r}; must be of the type {_TYPES[kind]}")
-    names, least, most = (entry.metadata.get(limit) for limit in ("names", "least", "most"))
+    limits: Mapping[str, Any] = entry.metadata
+    names, least, most = (limits.get(limit) for limit in ("names", "least", "most"))
     if names and checked not in names:
         raise InvalidArgument(f'`{entry.name}` is "{value}"; must be {", ".join(names)}')
     if least is not None and not (math.isfinite(checked) and least <= checked <= most):
