@@ -65,6 +65,8 @@ def open(place: str | os.PathLike[str] | Source) -> Frames:
         return Frames(Sharded(there, rows))
     if "parquet" in first:
         raise ValueError(f"{folder} holds Parquet files: read {folder / 'data'} with pyarrow, DuckDB or datasets")
+    if "mcap" in first:
+        raise ValueError(f"{folder} holds recordings of ROS 2: read its .mcap files with mcap or rosbags")
     return Frames(Exported(folder))
 
 
@@ -141,6 +143,10 @@ class Exported:
 
 def _files(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield kind and path of each file of a row; the first is `file_name`."""
+    if isinstance(files := row.get("files"), Mapping):
+        # Formats of sequences name files by time.
+        yield from files.items()
+        return
     for column, value in row.items():
         if isinstance(value, str) and "/" in value:
             # Files of a sequence begin with the number of their frame.

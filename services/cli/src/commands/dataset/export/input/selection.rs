@@ -38,10 +38,12 @@ impl Selection {
             kinds: kinds(arguments),
             columns: columns.collect(),
         };
+        if arguments.format.has_times() {
+            check_kinds(arguments.format, &selection.kinds)?;
+        }
         selection.check_kinds(arguments)?;
         selection.images = count(client, arguments, None)?;
         if arguments.format.has_times() {
-            check_kinds(arguments.format, &selection.kinds)?;
             selection.add_right_pictures(client, arguments)?;
         }
         selection.check_every_image(client, arguments)?;
