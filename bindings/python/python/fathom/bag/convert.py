@@ -78,6 +78,7 @@ def convert(
     """Write the recording with the results; return whether there is one, else nothing is left."""
     written = Output(output, recording)
     try:
+        written.begin()
         converter = Converter(stream, recording, written, topics, report, adds_range)
         for connection, recorded_ns, data in recording.messages():
             written.copy(connection, recorded_ns, data)

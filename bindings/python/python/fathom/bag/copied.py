@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rosbags.interfaces import Connection, ConnectionExtRosbag1, MessageDefinitionFormat
+from rosbags.interfaces import Connection, ConnectionExtRosbag1, ConnectionExtRosbag2, MessageDefinitionFormat
 from rosbags.rosbag2.metadata import dump_qos_v8
 from rosbags.rosbag2.storage_mcap import McapWriter, Schema, write_schema
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
@@ -16,13 +16,14 @@ def add_copy(writer: Any, connection: Connection) -> Connection:
     """Add a topic with the type, the definition and the quality of service of a connection that was read."""
     if isinstance(connection.ext, ConnectionExtRosbag1):
         return _add_ros1(writer, connection, connection.ext)
+    added: Connection
     for added in writer.connections:
         if (added.topic, added.msgtype, added.ext) == (connection.topic, connection.msgtype, connection.ext):
             return added
     digest = connection.digest or _hash_type(connection)
     if connection.msgdef.format is MessageDefinitionFormat.NONE or not digest:
-        return _add_undefined(writer, connection)
-    return writer.add_connection(
+        return _add_undefined(writer, connection, connection.ext)
+    added = writer.add_connection(
         connection.topic,
         connection.msgtype,
         msgdef=connection.msgdef.data,
@@ -30,9 +31,11 @@ def add_copy(writer: Any, connection: Connection) -> Connection:
         serialization_format=connection.ext.serialization_format,
         offered_qos_profiles=connection.ext.offered_qos_profiles,
     )
+    return added
 
 
 def _add_ros1(writer: Any, connection: Connection, extension: ConnectionExtRosbag1) -> Connection:
+    added: Connection
     for added in writer.connections:
         if (added.topic, added.msgtype, added.digest, added.ext) == (
             connection.topic,
@@ -41,7 +44,7 @@ def _add_ros1(writer: Any, connection: Connection, extension: ConnectionExtRosba
             extension,
         ):
             return added
-    return writer.add_connection(
+    added = writer.add_connection(
         connection.topic,
         connection.msgtype,
         msgdef=connection.msgdef.data,
@@ -49,6 +52,7 @@ def _add_ros1(writer: Any, connection: Connection, extension: ConnectionExtRosba
         callerid=extension.callerid,
         latching=extension.latching,
     )
+    return added
 
 
 def _hash_type(connection: Connection) -> str:
@@ -68,7 +72,7 @@ def _hash_type(connection: Connection) -> str:
         return ""
 
 
-def _add_undefined(writer: Any, connection: Connection) -> Connection:
+def _add_undefined(writer: Any, connection: Connection, extension: ConnectionExtRosbag2) -> Connection:
     """Add a topic whose type has no readable definition, as recordings before Iron have them.
 
     `Writer.add_connection` needs a definition and its hash.
@@ -78,7 +82,7 @@ def _add_undefined(writer: Any, connection: Connection) -> Connection:
     if connection.msgtype not in writer.added_types:
         _add_undefined_type(writer.storage, added)
         writer.added_types.add(connection.msgtype)
-    writer.storage.add_connection(added, dump_qos_v8(connection.ext.offered_qos_profiles))
+    writer.storage.add_connection(added, dump_qos_v8(extension.offered_qos_profiles))
     writer.connections.append(added)
     writer.counts[added.id] = 0
     return added

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import secrets
 import shutil
-import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from rosbags.convert import ConverterError
 from rosbags.convert.converter import convert
@@ -18,7 +18,7 @@ from fathom.bag.copied import add_copy
 from fathom.bag.errors import BagError
 from fathom.bag.recording import Kind, Recording, kind_of_name
 
-_VERSION = 8
+_VERSION: Literal[8] = 8
 """Version of ROS 2 folders; Iron and later read it."""
 
 
@@ -26,28 +26,28 @@ class Output:
     """Copies messages of a recording and adds others."""
 
     def __init__(self, path: Path, recording: Recording) -> None:
-        """Begin a recording; its name states its kind. Raises `BagError`."""
+        """Choose the kind that the name states; raises `BagError` if it exists."""
         self._path = path
         self._recording = recording
         self._kind = _choose_kind(path, recording.kind)
         if path.exists():
             raise BagError(f"{path} exists; choose another name, or remove it")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._folder = Path(tempfile.mkdtemp(prefix=".fathom-bag-", dir=path.parent))
-        except OSError as error:
-            raise BagError(f"{path}: {error.strerror}") from None
         # The types of the messages are those of the recording; another kind is converted at the end.
         self._is_ros1 = recording.kind is Kind.ROS1
-        self._writer = self._open_writer()
+        self._folder = path.parent / f".fathom-bag-{secrets.token_hex(4)}"
+        self._writer: Any = None
         self._copies: dict[int, Connection] = {}
         self._added: dict[str, Connection] = {}
+
+    def begin(self) -> None:
+        """Create the files; `finish` or `discard` removes all that are temporary. Raises `BagError`."""
         try:
-            for connection in recording.connections:
-                self._copies[id(connection)] = add_copy(self._writer, connection)
-        except BaseException:
-            self.discard()
-            raise
+            self._folder.mkdir(parents=True)
+        except OSError as error:
+            raise BagError(f"{self._path}: {error.strerror}") from None
+        self._writer = self._open_writer()
+        for connection in self._recording.connections:
+            self._copies[id(connection)] = add_copy(self._writer, connection)
 
     def copy(self, connection: Connection, recorded_ns: int, data: bytes) -> None:
         """Write a message of the recording as it is."""
@@ -91,7 +91,8 @@ class Output:
     def discard(self) -> None:
         """Remove what was written."""
         try:
-            self._writer.abort()
+            if self._writer is not None:
+                self._writer.abort()
         finally:
             self._remove_folder()
 

@@ -37,7 +37,7 @@ class TopicPoses:
 
     def __init__(self, recording: Recording, topic: str, axes: str) -> None:
         """`axes` of the poses: "optical" (right, down, ahead) or "body" (ahead, left, up)."""
-        connections = require_type(recording, "--pose", topic, POSE_TYPES)
+        connections = require_type(recording, "--pose-topic", topic, POSE_TYPES)
         self._track = Track(topic)
         self._is_body = axes == "body"
         for connection, _, data in recording.messages(connections):
@@ -62,7 +62,7 @@ class TransformPoses:
         self._moving: dict[str, tuple[str, Track]] = {}
         connections = [each for each in recording.connections if each.msgtype == TRANSFORMS]
         if not connections:
-            raise BagError(f"{recording.path} has no topic of {TRANSFORMS}; --world needs /tf, else give --pose")
+            raise BagError(f"{recording.path} has no topic of {TRANSFORMS}; --world needs /tf, else give --pose-topic")
         for connection, _, data in recording.messages(connections):
             for transform in recording.deserialize(connection, data).transforms:
                 self._add(transform, connection.topic)

@@ -91,13 +91,14 @@ class Recording:
 
     def serialize(self, message: Any, msgtype: str) -> memoryview:
         """Return the bytes of a message of one of the standard types."""
-        if self.kind is Kind.ROS1:
-            return self._store.serialize_ros1(message, msgtype)
-        return self._store.serialize_cdr(message, msgtype)
+        serialize = self._store.serialize_ros1 if self.kind is Kind.ROS1 else self._store.serialize_cdr
+        data: memoryview = serialize(message, msgtype)
+        return data
 
     def message_type(self, msgtype: str) -> type[Any]:
         """Return the class of messages of a standard type."""
-        return self._store.types[msgtype]
+        message_type: type[Any] = self._store.types[msgtype]
+        return message_type
 
     @property
     def store(self) -> Any:
@@ -120,7 +121,7 @@ class Recording:
         return readers
 
     def _open_whole(self, path: Path) -> Reader:
-        reader: Any = Ros1Reader(path) if self.kind is Kind.ROS1 else Ros2Reader(path)
+        reader = Ros1Reader(path) if self.kind is Kind.ROS1 else Ros2Reader(path)
         reader.open()
         return reader
 

@@ -93,7 +93,8 @@ def _to_millimeters(depth: NDArray[Any]) -> NDArray[Any]:
     if depth.dtype == np.uint16:
         return np.ascontiguousarray(depth)
     with np.errstate(invalid="ignore"):
-        return np.where(np.isfinite(depth) & (depth > 0), depth * np.float32(1000), np.float32(0))
+        millimeters: NDArray[Any] = np.where(np.isfinite(depth) & (depth > 0), depth * np.float32(1000), np.float32(0))
+    return millimeters
 
 
 def _read_arguments(arguments: Sequence[str]) -> argparse.Namespace:

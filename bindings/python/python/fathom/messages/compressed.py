@@ -39,8 +39,9 @@ def decode_depth(message: Any, topic: str) -> NDArray[Any]:
         return codes
     # The transport stores A / depth + B, and 0 for no return.
     with np.errstate(divide="ignore"):
-        meters = np.float32(numerator) / (codes.astype(np.float32) - np.float32(offset))
-    return np.where(codes == 0, np.float32(np.nan), meters)
+        meters: NDArray[np.float32] = np.float32(numerator) / (codes.astype(np.float32) - np.float32(offset))
+    meters[codes == 0] = np.nan
+    return meters
 
 
 def _decode(message: Any, topic: str, data: bytes) -> NDArray[Any]:

@@ -64,7 +64,8 @@ def read_depth(message: Any, topic: str) -> NDArray[Any]:
     dtype = np.dtype(order + _DEPTHS[message.encoding])
     view = _view_pixels(message, topic, dtype, 1)[:, :, 0]
     # Rows may begin at any byte; copies are only made of rows that do.
-    return np.require(view, dtype=dtype.newbyteorder("="), requirements="A")
+    depth: NDArray[Any] = np.require(view, dtype=dtype.newbyteorder("="), requirements="A")
+    return depth
 
 
 def is_compressed(message: Any) -> bool:
@@ -115,7 +116,8 @@ def _view_pixels(message: Any, topic: str, dtype: np.dtype[Any], samples: int) -
     if data.size != height * step:
         limit = f"must have {height * step} (`height` {height} × `step` {step})"
         raise MessageError(topic, f"`data` has {data.size} bytes; {limit}", "size")
-    return np.ndarray((height, width, samples), dtype, data.data, strides=(step, pixel, dtype.itemsize))
+    view: NDArray[Any] = np.ndarray((height, width, samples), dtype, data.data, strides=(step, pixel, dtype.itemsize))
+    return view
 
 
 def _unknown_encoding(message: Any, topic: str, known: str) -> MessageError:
