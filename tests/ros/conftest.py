@@ -11,14 +11,6 @@ from camera_driver import Camera, play
 from drive import SMALL, render_drive
 from harness import Diagnostics, Node, ParameterClient, Process, Subscriber, wait_until
 
-FAST_JOB = {
-    "water.optics": '{"preset": "jerlov-1C", "veil_gain": 0.7, "forward_scatter": {"model": "jaffe"}}',
-    "water.range_scale": 0.15,
-    "lights": '[{"kind": "haze", "x": 0.3, "y": 1}, {"kind": "haze", "x": 0.7, "y": 1}]',
-}
-"""A job like the published one whose frames fit 10 Hz at 768×492."""
-
-
 Start = Callable[..., Any]
 
 
@@ -72,9 +64,9 @@ def start() -> Iterator[Start]:
 
 @pytest.fixture(scope="module")
 def node(camera: Camera) -> Iterator[Node]:
-    """A node with the fast job for all tests of a file, ready to receive."""
+    """A node with the parameters `live` for all tests of a file, ready to receive."""
     with start_processes() as begin:
-        begun = begin(Node, **FAST_JOB)
+        begun = begin(Node, "live")
         camera.wait_for_node()
         yield begun
 

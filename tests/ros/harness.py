@@ -13,10 +13,12 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import fathom.ros
 import psutil
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 
+FILES = pathlib.Path(fathom.ros.__file__).parent / "files"
 REMAPPED = ("image:=/camera/image", "depth:=/camera/depth", "camera_info:=/camera/camera_info")
 
 
@@ -41,10 +43,12 @@ class Process:
 
 
 class Node(Process):
-    """`python -m fathom.ros` with parameters."""
+    """`python -m fathom.ros` with a parameter file of the package and parameters."""
 
-    def __init__(self, **parameters: Any) -> None:
+    def __init__(self, file: str | None = None, **parameters: Any) -> None:
         command = [sys.executable, "-m", "fathom.ros", "--ros-args"]
+        if file:
+            command += ["--params-file", str(FILES / f"{file}.yaml")]
         for rule in REMAPPED:
             command += ["-r", rule]
         for name, value in parameters.items():
@@ -82,7 +86,8 @@ class Subscriber(Process):
         python = os.environ.get("FATHOM_ROS_SUBSCRIBER", sys.executable)
         script = str(pathlib.Path(__file__).with_name("subscriber.py"))
         super().__init__([python, script, topic])
-        wait_until(lambda: "ready" in self.read(), "the subscriber is ready", 30)
+        wait_until(lambda: "ready" in self.read() or self.process.poll(), "the subscriber is ready", 60)
+        assert self.process.poll() is None, self.read()
 
     def list_arrivals(self) -> list[Arrival]:
         """Return the messages so far."""

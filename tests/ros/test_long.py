@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from camera_driver import Camera, play
-from conftest import FAST_JOB, Start
+from conftest import Start
 from drive import render_drive
 from harness import Node, Subscriber, wait_until
 
@@ -21,7 +21,7 @@ CONVERSION = ("conversion CPU", "writing CPU")
 @pytest.mark.parametrize("mode", ["water", "water+enhance"])
 def test_minutes_without_loss_and_growth(camera: Camera, start: Start, size: tuple[int, int], mode: str) -> None:
     shots: list[Any] = render_drive(size, 20)
-    node, subscriber = start(Node, **FAST_JOB, mode=mode), start(Subscriber, "/fathom/image")
+    node, subscriber = start(Node, "live", mode=mode), start(Subscriber, "/fathom/image")
     wait_until(lambda: play(camera, shots, 1, HZ) and subscriber.list_arrivals(), "the first picture arrives")
     play(camera, shots, WARM_S * HZ, HZ)
     camera.diagnostics.forget()

@@ -57,7 +57,7 @@ def test_an_invalid_value_is_rejected_with_the_message_of_the_job(
 def test_parameters_mirror_the_leaves_of_the_job(parameters: ParameterClient) -> None:
     names = parameters.list()
     assert {"alpha", "water.optics.preset", "lights.0.intensity", "lights.1.color", "slop_s", "mode"} <= set(names)
-    assert parameters.get("lights.0.intensity") == pytest.approx(1.0)
+    assert parameters.get("lights.0.intensity") == pytest.approx(0.5)
     assert parameters.get("water.optics.preset") == "jerlov-1C/williamson2022"
     assert parameters.set(lights="[]") == [(True, "")]
     wait_until(lambda: "lights.0.x" not in parameters.list(), "the leaves of removed lamps are gone")

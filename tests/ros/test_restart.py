@@ -5,15 +5,15 @@ from typing import Any
 
 import pytest
 from camera_driver import Camera, play
-from conftest import FAST_JOB, Start
+from conftest import Start
 from harness import Node, Subscriber, wait_until
 
 
 def test_a_killed_node_continues_after_a_restart(camera: Camera, start: Start, shots: list[Any]) -> None:
-    killed, subscriber = start(Node, **FAST_JOB), start(Subscriber, "/fathom/image")
+    killed, subscriber = start(Node, "live"), start(Subscriber, "/fathom/image")
     wait_until(lambda: play(camera, shots, 1, 10) and subscriber.list_arrivals(), "the first picture arrives")
     assert killed.stop(signal.SIGKILL) == -signal.SIGKILL
-    restarted = start(Node, **FAST_JOB)
+    restarted = start(Node, "live")
     before = len(subscriber.list_arrivals())
     wait_until(
         lambda: play(camera, shots, 1, 10) and len(subscriber.list_arrivals()) > before + 2, "pictures arrive again", 30

@@ -18,6 +18,8 @@ REMOVED = object()
 
 _LEAST_INTEGER, _MOST_INTEGER = -(2**63), 2**63 - 1
 _SEPARATOR = "."
+_DISTRIBUTIONS = {"choice", "clip", "grid", "int", "log_uniform", "normal", "uniform", "weights"}
+"""Keys of distributions, which replace a list as well as a number."""
 
 
 def flatten(description: Mapping[str, Any]) -> dict[str, Any]:
@@ -92,7 +94,7 @@ def _apply(root: dict[str, Any], name: str, value: Any) -> None:
     holder: Any = root
     for depth, part in enumerate(parts[:-1]):
         inner = _find(holder, part, name, parts[:depth])
-        if not isinstance(inner, (dict, list)):
+        if not _has_place(inner, parts[depth + 1]):
             if value is REMOVED:
                 return
             inner = [] if parts[depth + 1].isdecimal() else {}
@@ -103,6 +105,16 @@ def _apply(root: dict[str, Any], name: str, value: Any) -> None:
         _remove(holder, parts[-1])
     else:
         _store(holder, parts[-1], value)
+
+
+def _has_place(inner: Any, part: str) -> bool:
+    """Whether a value holds this part of a path, else a list or object replaces it.
+
+    A distribution replaces a list, and an element of a list replaces a distribution.
+    """
+    if isinstance(inner, list):
+        return part not in _DISTRIBUTIONS
+    return isinstance(inner, dict) and not (part.isdecimal() and _DISTRIBUTIONS & inner.keys())
 
 
 def _find(holder: Any, part: str, name: str, path: list[str]) -> Any:
