@@ -55,7 +55,8 @@ class Report:
     def summarize(self) -> None:
         """Print the counts of everything."""
         rate = self.done / max(time.monotonic() - self._started, 1e-9)
-        self._print(f"{self.done} frames written, {self.left_out} left out, {rate:.1f} frames/s")
+        noun = "frame" if self.done == 1 else "frames"
+        self._print(f"{self.done} {noun} written, {self.left_out} left out, {rate:.1f} frames/s")
         for title, counts in (("left out", self._left_out), ("warning", self._warned)):
             for kind, count in counts.most_common():
                 self._print(f"  {title}: {count} × {kind}")
