@@ -19,6 +19,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 
 FILES = pathlib.Path(fathom.ros.__file__).parent / "files"
+_OF_THIS_ROS = ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
 REMAPPED = ("image:=/camera/image", "depth:=/camera/depth", "camera_info:=/camera/camera_info")
 
 
@@ -28,7 +29,7 @@ class Process:
     def __init__(self, command: list[str], environment: dict[str, str] | None = None) -> None:
         self._output = tempfile.NamedTemporaryFile("w+", suffix=".log")
         self.process = subprocess.Popen(
-            command, stdout=self._output, stderr=subprocess.STDOUT, env=os.environ | (environment or {})
+            command, stdout=self._output, stderr=subprocess.STDOUT, env=environment
         )
 
     def read(self) -> str:
@@ -83,11 +84,17 @@ class Subscriber(Process):
     """The subscriber of `subscriber.py`, with the interpreter of `FATHOM_ROS_SUBSCRIBER`."""
 
     def __init__(self, topic: str) -> None:
-        python = os.environ.get("FATHOM_ROS_SUBSCRIBER", sys.executable)
+        # The wheels of ROS start Python again with the paths of their libraries, unless these variables are there.
+        environment = {name: value for name, value in os.environ.items() if name not in _OF_THIS_ROS}
         script = str(pathlib.Path(__file__).with_name("subscriber.py"))
-        super().__init__([python, script, topic])
+        super().__init__([os.environ["FATHOM_ROS_SUBSCRIBER"], script, topic], environment)
         wait_until(lambda: "ready" in self.read() or self.process.poll(), "the subscriber is ready", 60)
         assert self.process.poll() is None, self.read()
+
+    @property
+    def version(self) -> str:
+        """Version of the `rclpy` of the subscriber."""
+        return self.read().split("ready ")[1].split()[0]
 
     def list_arrivals(self) -> list[Arrival]:
         """Return the messages so far."""

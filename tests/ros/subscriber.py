@@ -1,5 +1,6 @@
 """Runs with another version of ROS: writes a line of JSON for each message of an Image topic."""
 
+import importlib.metadata
 import json
 import sys
 import time
@@ -23,7 +24,7 @@ def main() -> None:
         print(json.dumps([stamp, now, *shape, zlib.crc32(message.data)]), flush=True)
 
     node.create_subscription(Image, sys.argv[1], write_line, qos_profile_sensor_data)
-    print("ready", flush=True)
+    print("ready", importlib.metadata.version("ros-rclpy"), flush=True)
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -1,5 +1,6 @@
 """Rate, loss and latency from PyBullet through the node to a subscriber with another version of ROS."""
 
+import importlib.metadata
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ COUNT = 50
 def test_every_picture_of_a_drive_arrives_in_time(
     camera: Camera, node: Node, subscriber: Subscriber, diagnostics: Diagnostics, shots: list[Any]
 ) -> None:
+    assert subscriber.version.split(".")[0] != importlib.metadata.version("ros-rclpy").split(".")[0]
     stamps = play(camera, shots, COUNT, HZ)
     wait_until(lambda: subscriber.list_arrivals()[-1].stamp_ns == stamps[-1], "the last picture arrives")
     arrivals = {arrival.stamp_ns: arrival for arrival in subscriber.list_arrivals()}
