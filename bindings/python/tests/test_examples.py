@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import math
 import os
 import re
@@ -7,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -44,3 +46,59 @@ def test_the_notebook_ran_to_its_end_without_an_error() -> None:
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
     assert all(output.output_type != "error" for cell in cells for output in cell.outputs)
+
+
+def write_video(path: Path, frames: int = 4) -> None:
+    av = pytest.importorskip("av", reason="av is not installed: the example of videos is not tested")
+    with av.open(str(path), "w") as video:
+        stream = video.add_stream("libx264", rate=10)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        for number in range(frames):
+            pixels = np.full((48, 64, 3), 60 * number, np.uint8)
+            video.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")))
+        video.mux(stream.encode())
+
+
+def convert_video(folder: Path, out: str, *options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(EXAMPLES / "video.py"), "dive.mp4", out, "--job", "job.json", *options]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder)
+
+
+def test_a_video_is_converted_to_the_same_bytes_each_time(tmp_path: Path) -> None:
+    write_video(tmp_path / "dive.mp4")
+    import av
+
+    haze = {"kind": "haze", "x": 0.5, "y": 1, "size": 0.5, "intensity": 0.5}
+    (tmp_path / "job.json").write_text(json.dumps({"lights": [haze], "camera": {"sensor": {}}, "enhance": ["clahe"]}))
+    for out, options in (("wet.mp4", []), ("again.mp4", []), ("clear.mp4", ["--show", "clahe"])):
+        result = convert_video(tmp_path, out, *options)
+        assert (result.returncode, result.stdout) == (0, f"{out}: 4 frames\n"), result.stderr
+    assert (tmp_path / "wet.mp4").read_bytes() == (tmp_path / "again.mp4").read_bytes()
+    assert (tmp_path / "wet.mp4").read_bytes() != (tmp_path / "clear.mp4").read_bytes()
+    with av.open(str(tmp_path / "dive.mp4")) as dry, av.open(str(tmp_path / "wet.mp4")) as wet:
+        pairs = list(zip(dry.decode(video=0), wet.decode(video=0), strict=True))
+    assert [one.time for one, _ in pairs] == [other.time for _, other in pairs]
+    first = pairs[0]
+    assert first[1].to_ndarray(format="rgb24").mean() > first[0].to_ndarray(format="rgb24").mean() + 5
+
+
+def test_a_video_has_the_depths_of_a_folder_or_one_distance(tmp_path: Path) -> None:
+    write_video(tmp_path / "dive.mp4", frames=2)
+    (tmp_path / "job.json").write_text(json.dumps({"water": {"optics": "jerlov-3C"}, "camera": {"hfov_deg": 60}}))
+    for number in range(2):
+        np.save(tmp_path / f"{number:06}.npy", np.full((48, 64), 4, np.float32))
+    assert convert_video(tmp_path, "far.mp4", "--depth-folder", ".").returncode == 0
+    assert convert_video(tmp_path, "near.mp4", "--distance-m", "0.1").returncode == 0
+    assert (tmp_path / "far.mp4").read_bytes() != (tmp_path / "near.mp4").read_bytes()
+    (tmp_path / "000001.npy").unlink()
+    for out, options, reason in (
+        ("a.mp4", ["--depth-folder", "."], "frame 1 has no depth"),
+        ("b.mp4", ["--distance-m", "0"], "--distance-m is 0.0; must be above 0"),
+        ("c.mp4", ["--show", "nope"], "--show is 'nope'; `enhance` of the job has nothing"),
+        ("far.mp4", [], "far.mp4 exists"),
+    ):
+        result = convert_video(tmp_path, out, *options)
+        assert result.returncode != 0
+        assert reason in result.stderr
+    assert {path.name for path in tmp_path.glob("*.mp4")} == {"dive.mp4", "far.mp4", "near.mp4"}
+    assert not list(tmp_path.glob(".*"))
