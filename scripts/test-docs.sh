@@ -30,7 +30,7 @@ find_python() {
 }
 
 packages='pytest==9.2.0 httpx==0.28.1 numpy pandas pyarrow jax==0.12.0.1 onnx==1.23.2 openapi-python-client==0.29.1
-    webdataset==1.0.2 datasets==5.2.0 pillow pycocotools==2.0.11 pyyaml==6.0.3'
+    webdataset==1.0.2 datasets==5.2.0 pillow pycocotools==2.0.11 pyyaml==6.0.3 rosbags==0.11.9 av==19.0.2'
 place=$target/tools/docs
 if [ "$(cat "$place/packages" 2>/dev/null)" != "$packages" ]; then
     rm -rf "$place"
