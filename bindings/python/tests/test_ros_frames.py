@@ -83,3 +83,15 @@ def test_missing_and_contradictory_messages_are_errors() -> None:
     short = Pair(7, PAIR.image, make_image(METERS[:-1], "32FC1"), 0)
     with pytest.raises(fathom.InvalidArgument, match="`z_depth` is 64×47 but `rgb` is 64×48"):
         make_renderer(use_camera_info=False).render(short)
+
+
+@pytest.mark.filterwarnings("ignore:.*small_tiles")
+def test_enhancement_needs_neither_depth_nor_camera() -> None:
+    renderer = FrameRenderer(
+        read_settings({"mode": "enhance"}), fathom.Stream({"enhance": ["hscm"]}), TOPICS, Transforms()
+    )
+    rendered = renderer.render(Pair(7, PAIR.image, None, None))
+    assert rendered.camera_info is None
+    assert (rendered.frame.enhanced["hscm"] == fathom.enhance(RGB, "hscm")).all()
+    renderer.camera_info = make_info(width=640)
+    assert renderer.render(Pair(8, PAIR.image, None, None)).camera_info is renderer.camera_info

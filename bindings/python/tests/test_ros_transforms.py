@@ -84,3 +84,10 @@ def test_old_transforms_are_dropped() -> None:
     transforms.add(make_message("map", "base", 100.0, (0.0, 0.0, 0.0), LEVEL))
     with pytest.raises(NoPose, match=r"from 100\.000 to 100\.000 s"):
         transforms.find_pose("base", "map", 1_500_000_000)
+
+
+def test_a_clock_that_was_reset_begins_again() -> None:
+    transforms = Transforms()
+    transforms.add(make_message("map", "base", 100.0, (1.0, 0.0, 0.0), LEVEL))
+    transforms.add(make_message("map", "base", 1.0, (2.0, 0.0, 0.0), LEVEL))
+    assert transforms.find_pose("base", "map", 1_000_000_000)[0, 3] == 2

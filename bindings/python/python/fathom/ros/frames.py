@@ -66,7 +66,7 @@ class FrameRenderer:
         info = self._find_camera_info(settings)
         height, width = picture.rgb.shape[:2]
         camera = None
-        if info is not None:
+        if info is not None and settings.needs_camera_info:
             camera = read_camera(info, (width, height), self._topics.camera_info, rectified=settings.rectified)
         converted, convert_cpu = time.perf_counter(), time.thread_time() - worked
         pose = self._find_pose(settings, pair)
@@ -87,7 +87,7 @@ class FrameRenderer:
     def _find_camera_info(self, settings: Settings) -> Any | None:
         if not settings.use_camera_info:
             return None
-        if self.camera_info is None:
+        if self.camera_info is None and settings.needs_camera_info:
             raise NoCamera("no camera_info was received")
         return self.camera_info
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 import traceback
 from typing import Any
@@ -59,6 +60,7 @@ class UnderwaterNode:
     def __init__(self, ros: Any) -> None:
         self._ros = ros
         self._log = ros.get_logger()
+        self._logging = threading.Lock()
         self._logged: dict[str, float] = {}
         self._last: StreamFrame | None = None
         self._counts = Counts()
@@ -71,7 +73,7 @@ class UnderwaterNode:
         self._publications = Publications(ros, settings.qos)
         self._worker = NewestWorker(self._render)
         self._subscriptions = Subscriptions(
-            ros, self._topics, self._counts, transforms, self._take_pair, self._take_camera_info
+            ros, self._topics, self._counts, transforms, self._drop, self._take_pair, self._take_camera_info
         )
         self._diagnostics = ros.create_publisher(DiagnosticArray, "/diagnostics", 10)
         group = MutuallyExclusiveCallbackGroup()
@@ -123,13 +125,16 @@ class UnderwaterNode:
 
     def _drop(self, reason: str, problem: str) -> None:
         self._counts.drop(reason, problem)
-        self._log_sometimes(problem)
+        # Other reasons name the stamp of the picture, which differs each time.
+        self._log_sometimes(problem if reason == FAILED else reason, problem)
 
-    def _log_sometimes(self, problem: str) -> None:
+    def _log_sometimes(self, key: str, problem: str) -> None:
         now = time.monotonic()
-        if now - self._logged.get(problem, -_REPEAT_S) >= _REPEAT_S:
-            self._logged = {text: at for text, at in self._logged.items() if now - at < _REPEAT_S} | {problem: now}
-            self._log.error(problem)
+        with self._logging:
+            if now - self._logged.get(key, -_REPEAT_S) < _REPEAT_S:
+                return
+            self._logged = {other: at for other, at in self._logged.items() if now - at < _REPEAT_S} | {key: now}
+        self._log.error(problem)
 
     def _report(self) -> None:
         now = time.monotonic()

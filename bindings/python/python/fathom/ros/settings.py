@@ -49,6 +49,11 @@ class Settings:
         """Whether pictures wait for a depth."""
         return self.use_depth and self.mode != "enhance"
 
+    @property
+    def needs_camera_info(self) -> bool:
+        """Whether pictures need a `camera_info`; enhancement passes it on if there is one."""
+        return self.use_camera_info and self.mode != "enhance"
+
 
 NAMES = tuple(entry.name for entry in dataclasses.fields(Settings))
 """Names of all settings."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -39,11 +40,13 @@ class Subscriptions:
         topics: Topics,
         counts: Counts,
         transforms: Transforms,
+        drop: Callable[[str, str], None],
         take_pair: Callable[[Pair[Any, Any]], None],
         take_camera_info: Callable[[Any], None],
     ) -> None:
         self._node, self._topics, self._counts, self._transforms = node, topics, counts, transforms
-        self._take_pair, self._take_camera_info = take_pair, take_camera_info
+        self._drop, self._take_pair, self._take_camera_info = drop, take_pair, take_camera_info
+        self._lock = threading.Lock()
         self._group = MutuallyExclusiveCallbackGroup()
         self._settings: Settings | None = None
         self._pairing: Pairing[Any, Any] = Pairing()
@@ -58,7 +61,10 @@ class Subscriptions:
         """Subscribe the topics that the settings need, and no others."""
         before, self._settings = self._settings, settings
         if before is None or (before.slop_s, before.depth_wait_s) != (settings.slop_s, settings.depth_wait_s):
-            self._pairing = Pairing(round(settings.slop_s * 1e9), round(settings.depth_wait_s * 1e9))
+            fresh: Pairing[Any, Any] = Pairing(round(settings.slop_s * 1e9), round(settings.depth_wait_s * 1e9))
+            with self._lock:
+                pairs, self._pairing = self._pairing.flush(), fresh
+            self._pass_on(pairs)
         needed = {
             "image": self._subscribe_image,
             "depth": self._subscribe_depth if settings.needs_depth else None,
@@ -101,18 +107,23 @@ class Subscriptions:
         if not self._settings.needs_depth:
             self._take_pair(Pair(stamp_ns, message, None, None))
             return
-        self._pass_on(self._pairing.add_image(stamp_ns, message))
+        with self._lock:
+            pairs = self._pairing.add_image(stamp_ns, message)
+        self._pass_on(pairs)
 
     def _take_depth(self, message: Any) -> None:
         stamp_ns = self._read_stamp(message, self._topics.depth)
-        if stamp_ns is not None:
-            self._pass_on(self._pairing.add_depth(stamp_ns, message))
+        if stamp_ns is None:
+            return
+        with self._lock:
+            pairs = self._pairing.add_depth(stamp_ns, message)
+        self._pass_on(pairs)
 
     def _read_stamp(self, message: Any, topic: str) -> int | None:
         try:
             return read_stamp(message, topic)
         except MessageError as error:
-            self._counts.drop(FAILED, str(error))
+            self._drop(FAILED, str(error))
             return None
 
     def _pass_on(self, pairs: list[Pair[Any, Any]]) -> None:
@@ -121,7 +132,7 @@ class Subscriptions:
                 self._take_pair(pair)
                 continue
             near = "" if pair.offset_ns is None else f"; the nearest depth is {abs(pair.offset_ns) / 1e9:.3f} s away"
-            self._counts.drop(NO_DEPTH, f"no depth for the picture at {pair.stamp_ns / 1e9:.3f} s{near}")
+            self._drop(NO_DEPTH, f"no depth for the picture at {pair.stamp_ns / 1e9:.3f} s{near}")
 
 
 def import_transforms() -> Any:

@@ -41,6 +41,9 @@ class _Link:
         if is_static:
             self._static = numbers
             return
+        if self._stamped and stamp_ns < self._stamped[-1][0] - _KEPT_NS:
+            # The clock of a simulator was reset.
+            self._stamped.clear()
         insort(self._stamped, (stamp_ns, numbers))
         oldest = self._stamped[-1][0] - _KEPT_NS
         del self._stamped[: bisect_left(self._stamped, (oldest, ()))]
