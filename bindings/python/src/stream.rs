@@ -110,6 +110,7 @@ impl Stream {
         let input = StreamInput {
             picture: picture.describe(channels),
             depth: depth.as_ref().map(DepthArray::describe),
+            instances: None,
             camera,
             stamp_ns,
             pose,

@@ -30,6 +30,7 @@ use crate::processes::child::Children;
 use crate::processes::compute::Compute;
 use crate::processes::decoding::Decoding;
 use crate::processes::live::Live;
+use crate::processes::pictures::PictureProcess;
 use crate::processes::scratch::Scratch;
 use crate::scenes::Scenes;
 use crate::sets::Sets;
@@ -204,6 +205,8 @@ fn new_processes(config: &Config, limits: &Limits, scratch: Scratch) -> Processe
         ),
         scratch,
         live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options(), share)),
+        pictures: (config.workers > 0)
+            .then(|| PictureProcess::new(program, &config.data, config.style_options(), share)),
     }
 }
 

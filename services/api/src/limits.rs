@@ -16,6 +16,10 @@ pub(crate) const FORM_FIELDS: usize = 32;
 pub(crate) const PICTURES_BYTES: usize = 200 << 20;
 /// An image to enhance or measure in a request: a method needs up to 200 bytes per pixel, 3 GiB at this size.
 pub(crate) const PICTURE_PIXELS: usize = 16_000_000;
+/// A picture to render in a request: 4K. Larger ones are uploaded as scenes.
+pub(crate) const RENDER_PIXELS: usize = 1 << 23;
+/// The form of a picture to render: 8-bit codes, float distances and a mask of that size, uncompressed, are 75 MiB.
+pub(crate) const RENDER_BYTES: usize = 80 << 20;
 /// A style model and its form: the largest network tried for this has 7 MB.
 pub(crate) const STYLE_BYTES: usize = 64 << 20;
 /// Photos of one water.

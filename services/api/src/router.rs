@@ -58,7 +58,7 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
         RouteGroup::new(submit_routes(), submit, &submissions).with_body(limits::JSON_BYTES),
         RouteGroup::new(render_routes(), submit, &renders)
             .with_timeout(wait)
-            .with_body(limits::JSON_BYTES),
+            .with_body(limits::RENDER_BYTES),
         RouteGroup::new(scene_upload_routes(), submit, &uploads)
             .with_timeout(upload)
             .with_upload(limits::SCENE_BYTES, &spool),

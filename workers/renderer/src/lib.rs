@@ -35,6 +35,6 @@ pub use stage::networks::PictureNetworks;
 pub use stage::truth::{Round, Traced, Tracing};
 pub use stream::{
     ChannelOrder, DepthSamples, InputError, PictureSamples, Stream, StreamDepth, StreamError, StreamFrame,
-    StreamInput, StreamOptions, StreamPicture, Vary,
+    StreamInput, StreamJob, StreamMask, StreamOptions, StreamParts, StreamPicture, Vary,
 };
 pub use vocabulary::vocabulary;

@@ -22,11 +22,12 @@ use crate::stopwatch::Stopwatch;
 use check::{Checked, check_input};
 use deadline::{CALIBRATION_FRAMES, CALIBRATION_SIZE, CostModel};
 use decode::Decoder;
-use description::{StreamJob, read_job};
 
+pub use description::{StreamJob, StreamParts};
 pub use error::{InputError, StreamError};
 pub use input::{
-    ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamInput, StreamOptions, StreamPicture, Vary,
+    ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamInput, StreamMask, StreamOptions,
+    StreamPicture, Vary,
 };
 pub use output::StreamFrame;
 
@@ -60,11 +61,23 @@ impl Stream {
     /// All errors of the description.
     pub fn open(text: &[u8], options: StreamOptions, engine: &Arc<Engine>) -> Result<Self, Invalid> {
         let vocabulary = crate::vocabulary::vocabulary(&engine.library(), true);
+        let parts = StreamParts {
+            has_metrics: options.has_metrics,
+            has_instances: false,
+        };
+        Self::with_job(StreamJob::read(text, parts, &vocabulary)?, options, engine)
+    }
+
+    /// Opens a stream of a checked job.
+    ///
+    /// # Errors
+    /// The job has no frame, or the deadline contradicts it.
+    pub fn with_job(job: StreamJob, options: StreamOptions, engine: &Arc<Engine>) -> Result<Self, Invalid> {
         let StreamJob {
             job,
             warnings,
             gives_hfov,
-        } = read_job(text, options.has_metrics, &vocabulary)?;
+        } = job;
         let mut stream = Self {
             fixed: job.resolve_any(0)?,
             job,
@@ -103,6 +116,7 @@ impl Stream {
                     size: CALIBRATION_SIZE,
                     samples: DepthSamples::Meters(&meters),
                 }),
+                instances: None,
                 camera: None,
                 stamp_ns: Some(stamp_ns),
                 pose: None,

@@ -92,6 +92,32 @@ impl Jobs {
         }
     }
 
+    /// Reserves room for a picture of a request among the open jobs of its caller, until it is dropped.
+    ///
+    /// # Errors
+    /// It is more expensive than the limit of a frame, or of the caller.
+    pub(super) async fn admit_picture(
+        &self,
+        owner: &str,
+        frame: &Frame,
+        pixels: usize,
+    ) -> Result<Reservation<'_>, Problem> {
+        let pixels = pixels as f64;
+        let cost = self.leases.costs.estimate(&[Sized { frame, pixels }]);
+        self.prices.check_frames(&cost)?;
+        let price = Price {
+            slot_seconds: cost.seconds,
+            // Nothing is stored.
+            bytes: 0,
+        };
+        let reservation = self.prices.reserve(owner, count_price(&price));
+        let open = self.open_cost(owner).await?.plus(reservation.before);
+        match self.prices.refuse_caller(open, price) {
+            Some(problem) => Err(problem),
+            None => Ok(reservation),
+        }
+    }
+
     /// Adds the price of a job that was stored without one.
     pub(super) async fn priced(&self, mut job: OpenJob, description: Option<&str>) -> OpenJob {
         if job.row.price.is_none()

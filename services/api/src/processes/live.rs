@@ -5,18 +5,14 @@
 //! bytes of the image. If it fails, a job renders the frame and reports the error.
 
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
-use std::sync::Arc;
 use std::time::Duration;
 
 use serde::Deserialize;
 use serde_json::json;
 use spec::{Frame, Job};
-use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
-use tokio::process::{Child, ChildStdin, ChildStdout, Command};
-use tokio::sync::{Mutex, OwnedMutexGuard};
 
-use super::child::{Allowance, exceeded};
+use super::child::Allowance;
+use super::lasting::{Bounds, Lasting, Reply};
 use crate::http::budget::{Budget, Share};
 
 /// Limits of a frame.
@@ -28,19 +24,21 @@ const ALLOWANCE: Allowance = Allowance {
 const MAX_PIXELS: usize = 1 << 20;
 /// Concurrent and waiting frames: two of the dragging user, and two of others.
 const PLACES: usize = 4;
-/// The process ends after this time without requests.
-const IDLE: Duration = Duration::from_secs(60);
 /// Maximum length of the line before the image.
 const MAX_HEAD_BYTES: u64 = 4096;
 /// Maximum length of the image: an uncompressed 16-bit one is shorter.
 const MAX_PICTURE_BYTES: u64 = 8 << 20;
 
-/// The process, started with the first frame.
+const BOUNDS: Bounds = Bounds {
+    allowance: ALLOWANCE,
+    head_bytes: MAX_HEAD_BYTES,
+    body_bytes: MAX_PICTURE_BYTES,
+};
+
+/// The process and its places.
 pub(crate) struct Live {
-    program: PathBuf,
-    arguments: Vec<PathBuf>,
+    process: Lasting,
     places: Budget,
-    running: Arc<Mutex<Option<Running>>>,
 }
 
 /// An image that is not stored.
@@ -49,19 +47,10 @@ pub(crate) struct Drawn {
     pub(crate) bytes: Vec<u8>,
 }
 
-struct Running {
-    child: Child,
-    requests: ChildStdin,
-    replies: BufReader<ChildStdout>,
-    /// Frames so far.
-    drawn: u64,
-}
-
 /// The line before an image.
 #[derive(Deserialize)]
 struct Head {
     media_type: String,
-    bytes: u64,
 }
 
 impl Live {
@@ -72,17 +61,9 @@ impl Live {
         options: Vec<(&'static str, PathBuf)>,
         share: Share,
     ) -> Self {
-        let given = options
-            .into_iter()
-            .flat_map(|(option, path)| [PathBuf::from(option), path]);
         Self {
-            program: program.to_owned(),
-            arguments: ["child".into(), "live".into(), "--data".into(), data.to_owned()]
-                .into_iter()
-                .chain(given)
-                .collect(),
+            process: Lasting::new(program, "live", data, options),
             places: Budget::new("previews", PLACES, share, Duration::ZERO),
-            running: Arc::default(),
         }
     }
 
@@ -97,25 +78,19 @@ impl Live {
         let _place = self.places.acquire(caller).await.ok()?;
         let mut request = json!({"spec": job.canonical()}).to_string();
         request.push('\n');
-        let held = Arc::clone(&self.running).lock_owned().await;
-        let (program, arguments) = (self.program.clone(), self.arguments.clone());
-        // Completes even if the caller is dropped: otherwise the next reply would belong to this frame.
-        let drawing = tokio::spawn(async move { draw(held, &program, &arguments, request.as_bytes()).await });
-        let (drawn, number) = drawing.await.ok().flatten()?;
-        self.end_if_idle(number);
-        Some(drawn)
+        read(self.process.exchange(request.into_bytes(), BOUNDS).await.ok()?)
     }
+}
 
-    fn end_if_idle(&self, number: u64) {
-        let running = Arc::clone(&self.running);
-        tokio::spawn(async move {
-            tokio::time::sleep(IDLE).await;
-            let mut running = running.lock().await;
-            if running.as_ref().is_some_and(|running| running.drawn == number) {
-                *running = None;
-            }
-        });
-    }
+/// The image of a reply.
+fn read(reply: Reply) -> Option<Drawn> {
+    let head: Head = serde_json::from_slice(&reply.head).ok()?;
+    let known = ["image/png", "image/jpeg", "image/webp"];
+    let media_type = known.into_iter().find(|known| *known == head.media_type)?;
+    Some(Drawn {
+        media_type,
+        bytes: reply.body,
+    })
 }
 
 /// Whether a frame depends only on its description and is small.
@@ -125,85 +100,19 @@ fn is_small(frame: &Frame) -> bool {
     scene.uploaded_id().is_none() && scene.files().is_none() && pixels <= MAX_PIXELS
 }
 
-/// Renders a frame, and keeps the process after a valid reply.
-async fn draw(
-    mut held: OwnedMutexGuard<Option<Running>>,
-    program: &Path,
-    arguments: &[PathBuf],
-    request: &[u8],
-) -> Option<(Drawn, u64)> {
-    let mut running = match held.take() {
-        Some(running) => running,
-        None => start(program, arguments)?,
-    };
-    let id = running.child.id();
-    let drawn = tokio::select! {
-        drawn = running.exchange(request) => drawn,
-        reason = exceeded(id, ALLOWANCE) => {
-            tracing::warn!(reason, "a live frame failed");
-            None
-        }
-    }?;
-    running.drawn += 1;
-    let number = running.drawn;
-    *held = Some(running);
-    Some((drawn, number))
-}
-
-fn start(program: &Path, arguments: &[PathBuf]) -> Option<Running> {
-    let mut child = Command::new(program)
-        .args(arguments)
-        .env_remove("FATHOM_TOKEN")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .kill_on_drop(true)
-        .spawn()
-        .inspect_err(|error| tracing::error!(%error, "cannot start the process of live frames"))
-        .ok()?;
-    let (requests, replies) = child.stdin.take().zip(child.stdout.take())?;
-    Some(Running {
-        child,
-        requests,
-        replies: BufReader::new(replies),
-        drawn: 0,
-    })
-}
-
-impl Running {
-    async fn exchange(&mut self, request: &[u8]) -> Option<Drawn> {
-        self.requests.write_all(request).await.ok()?;
-        let mut head = Vec::new();
-        let mut line = (&mut self.replies).take(MAX_HEAD_BYTES);
-        line.read_until(b'\n', &mut head).await.ok()?;
-        let head: Head = serde_json::from_slice(&head).ok()?;
-        let known = ["image/png", "image/jpeg", "image/webp"];
-        let media_type = known.into_iter().find(|known| *known == head.media_type)?;
-        let length = (head.bytes <= MAX_PICTURE_BYTES).then_some(head.bytes as usize)?;
-        let mut bytes = vec![0; length];
-        self.replies.read_exact(&mut bytes).await.ok()?;
-        Some(Drawn { media_type, bytes })
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
-    /// A stand-in for the program, which replies as scripted.
-    async fn drawn(script: &str) -> Option<Vec<u8>> {
-        let arguments = ["-c".into(), PathBuf::from(script)];
-        let held: Arc<Mutex<Option<Running>>> = Arc::default();
-        let first = draw(
-            Arc::clone(&held).lock_owned().await,
-            Path::new("/bin/sh"),
-            &arguments,
-            b"{}\n",
-        )
-        .await;
-        let is_kept = held.lock().await.is_some();
-        assert_eq!(is_kept, first.is_some());
-        first.map(|(drawn, _)| drawn.bytes)
+    /// The frame of a stand-in for the program, which replies as scripted.
+    async fn draw_scripted(script: &str) -> Option<Vec<u8>> {
+        let arguments = vec!["-c".into(), PathBuf::from(script)];
+        let process = Lasting::with_arguments(Path::new("/bin/sh"), arguments);
+        let reply = process.exchange(b"{}\n".to_vec(), BOUNDS).await;
+        assert_eq!(process.is_running().await, reply.is_ok());
+        reply.ok().and_then(read).map(|drawn| drawn.bytes)
     }
 
     #[tokio::test]
@@ -239,7 +148,7 @@ mod tests {
     #[tokio::test]
     async fn malformed_replies_are_rejected() {
         let good = r#"read line; printf '{"media_type":"image/png","bytes":3}\nabc'; read line"#;
-        assert_eq!(drawn(good).await.as_deref(), Some(&b"abc"[..]));
+        assert_eq!(draw_scripted(good).await.as_deref(), Some(&b"abc"[..]));
         for bad in [
             "read line; exit 1",
             r#"read line; printf '{"error":"no"}\n'; read line"#,
@@ -248,7 +157,7 @@ mod tests {
             r#"read line; printf '{"media_type":"image/png","bytes":30}\nabc'"#,
             "read line; tr '\\0' x </dev/zero",
         ] {
-            assert_eq!(drawn(bad).await, None, "{bad}");
+            assert_eq!(draw_scripted(bad).await, None, "{bad}");
         }
     }
 }

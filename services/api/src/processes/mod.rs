@@ -6,7 +6,9 @@ pub(crate) mod child;
 pub(crate) mod compute;
 pub(crate) mod decoding;
 pub(crate) mod fleet;
+pub(crate) mod lasting;
 pub(crate) mod live;
+pub(crate) mod pictures;
 pub(crate) mod scratch;
 pub(crate) mod turns;
 
@@ -18,4 +20,6 @@ pub(crate) struct Processes {
     pub(crate) decoding: decoding::Decoding,
     /// Absent if only others render.
     pub(crate) live: Option<live::Live>,
+    /// Absent if only others render.
+    pub(crate) pictures: Option<pictures::PictureProcess>,
 }

@@ -51,18 +51,32 @@ pub(crate) fn encode(
     for kind in &context.frame.artifacts {
         cancel::check();
         if let Some(content) = content_or_warn(context, pictures, kind, record) {
-            let encode = context.frame.encode;
-            let bytes = encode_content(content, encode, &texts(kind), &mut record.counts)?;
-            files.push(File::new(kind.to_string(), kind.media_type(encode), bytes));
+            files.push(encode_file(kind, content, context.frame.encode, record)?);
         }
     }
+    list_files(&files, record);
+    Ok(files)
+}
+
+/// Encodes the content of an artifact.
+pub(crate) fn encode_file(
+    kind: &ArtifactKind,
+    content: Content<'_>,
+    encode: Encode,
+    record: &mut FrameRecord,
+) -> Result<File, RenderError> {
+    let bytes = encode_content(content, encode, &texts(kind), &mut record.counts)?;
+    Ok(File::new(kind.to_string(), kind.media_type(encode), bytes))
+}
+
+/// Adds the files of a frame to its record.
+pub(crate) fn list_files(files: &[File], record: &mut FrameRecord) {
     let saturated = record.counts.range_saturated;
     if saturated > 0 {
         let warning = format!("{saturated} pixels are farther than 65.535 m and stored as that");
         record.warnings.push(warning);
     }
     record.artifacts = files.iter().map(File::entry).collect();
-    Ok(files)
 }
 
 /// The contents of those files, as [`encode`] would encode them.

@@ -29,6 +29,7 @@ pub(super) fn check_input(
     let mut errors = Vec::new();
     errors.extend(find_picture_error(&input.picture));
     errors.extend(find_depth_error(input));
+    errors.extend(find_mask_error(input));
     let mut checked = Checked {
         camera: None,
         pose: None,
@@ -95,6 +96,20 @@ fn find_depth_error(input: &StreamInput<'_>) -> Option<InputError> {
             format!("holds {held} samples; {width}×{height} need one for each pixel"),
         )
     })
+}
+
+fn find_mask_error(input: &StreamInput<'_>) -> Option<InputError> {
+    let mask = input.instances.as_ref()?;
+    let ((width, height), (columns, rows)) = (mask.size, input.picture.size);
+    let held = mask.numbers.len();
+    let message = if (width, height) != (columns, rows) {
+        format!("is {width}×{height} but `rgb` is {columns}×{rows}; resample it to the size of the picture")
+    } else if held != width.saturating_mul(height) {
+        format!("holds {held} numbers; {width}×{height} need one for each pixel")
+    } else {
+        return None;
+    };
+    Some(InputError::new("instances", message))
 }
 
 /// The camera of a matrix. An error is the reason why the matrix is invalid or contradicts the picture or the job.

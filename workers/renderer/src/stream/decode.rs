@@ -48,7 +48,10 @@ impl Decoder {
         Ok(scenes::Scene {
             radiance: self.decode_picture(&input.picture)?,
             range: input.depth.as_ref().map(|depth| self.decode_depth(depth, camera)),
-            instances: None,
+            instances: input.instances.as_ref().map(|mask| {
+                let (width, height) = mask.size;
+                Plane::new(width, height, mask.numbers.to_vec()).expect("the count was checked")
+            }),
             intrinsics: None,
             normals: None,
         })

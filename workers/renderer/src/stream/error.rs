@@ -17,7 +17,7 @@ pub enum StreamError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{field}` {message}")]
 pub struct InputError {
-    /// The part: `rgb`, `z_depth`, `range_m`, `camera` or `pose`.
+    /// The part: `rgb`, `z_depth`, `range_m`, `instances`, `camera` or `pose`.
     pub field: &'static str,
     /// What is wrong, with value, limit and remedy.
     pub message: String,

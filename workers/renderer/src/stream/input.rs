@@ -151,6 +151,15 @@ impl StreamDepth<'_> {
     }
 }
 
+/// The instance of every pixel row by row, 0 = background.
+#[derive(Debug, Clone, Copy)]
+pub struct StreamMask<'a> {
+    /// Columns and rows.
+    pub size: (usize, usize),
+    /// The numbers.
+    pub numbers: &'a [u16],
+}
+
 /// The input of one frame.
 #[derive(Debug, Clone, Copy)]
 pub struct StreamInput<'a> {
@@ -158,6 +167,8 @@ pub struct StreamInput<'a> {
     pub picture: StreamPicture<'a>,
     /// Distances; without them the stages of the water are skipped.
     pub depth: Option<StreamDepth<'a>>,
+    /// Instances, for the labels of a job that was read with them.
+    pub instances: Option<StreamMask<'a>>,
     /// The camera matrix `[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]` in px, with the center of the first pixel at (0, 0); by
     /// default the camera of the job.
     pub camera: Option<[[f64; 3]; 3]>,

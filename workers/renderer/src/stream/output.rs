@@ -1,9 +1,12 @@
 //! A frame of a stream.
 
 use serde_json::Value;
-use spec::{ArtifactKind, FrameRecord};
+use spec::{ArtifactKind, Encode, FrameRecord};
 
 use crate::content::Content;
+use crate::error::RenderError;
+use crate::file::File;
+use crate::stage::files;
 
 /// A rendered frame of a stream.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +26,20 @@ impl StreamFrame {
     pub fn content(&self, kind: &ArtifactKind) -> Option<&Content<'static>> {
         let found = self.artifacts.iter().find(|(known, _)| known == kind);
         found.map(|(_, content)| content)
+    }
+
+    /// The artifacts as files, pictures in this format; the record then lists them.
+    ///
+    /// # Errors
+    /// [`RenderError::Encode`].
+    pub fn encode(self, encode: Encode) -> Result<(Vec<File>, FrameRecord), RenderError> {
+        let mut record = self.record;
+        let mut encoded = Vec::with_capacity(self.artifacts.len());
+        for (kind, content) in self.artifacts {
+            encoded.push(files::encode_file(&kind, content, encode, &mut record)?);
+        }
+        files::list_files(&encoded, &mut record);
+        Ok((encoded, record))
     }
 
     /// The plan: every stage with its variant, error bound and expected cost.

@@ -46,6 +46,7 @@ impl Camera {
                 size: SIZE,
                 samples: DepthSamples::Meters(&self.meters),
             }),
+            instances: None,
             camera: None,
             stamp_ns: Some(stamp_ns),
             pose: None,

@@ -5,6 +5,7 @@ pub(crate) mod events;
 pub(crate) mod get;
 pub(crate) mod lines;
 pub(crate) mod list;
+pub(crate) mod picture;
 pub(crate) mod preview;
 pub(crate) mod render;
 pub(crate) mod warnings;

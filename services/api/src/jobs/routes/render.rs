@@ -1,3 +1,7 @@
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use catalogue::{JobRow, JobState};
@@ -5,14 +9,16 @@ use catalogue::{JobRow, JobState};
 use crate::http::extract::{PreferredWait, Submitter, listed};
 use crate::http::located::located;
 use crate::http::stored::GUARDED;
-use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
+use crate::http::{Json, JsonBytes, MultipartBody, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
 use crate::jobs::direct::Unanswered;
+use crate::jobs::routes::picture::render_picture;
 use crate::jobs::submit::Submission;
 use crate::jobs::wait::Until;
 use crate::limits;
 use crate::openapi::{Bytes, ImageRecord, JobDescription};
 use crate::processes::live::Live;
+use crate::renders::form::PictureUpload;
 
 /// Dataset of direct renders without one.
 const DATASET: &str = "renders";
@@ -24,14 +30,20 @@ const DATASET: &str = "renders";
 /// image is only stored if the description names a dataset or the request has an `Idempotency-Key`;
 /// `Content-Location` is then its location. A render that exceeds the wait becomes the ordinary job in `Location`. If the
 /// client disconnects first, the job is cancelled, unless an `Idempotency-Key` can return it later.
+///
+/// With `multipart/form-data`, the frame is that of a stream over the picture of the form, and nothing is stored. The
+/// response is the picture as PNG or WebP, or `multipart/mixed` with the record and all artifacts of the job.
+/// `Fathom-Warnings` lists warnings, such as stages skipped without distances.
 #[utoipa::path(post, path = "/v1/renders", tag = "jobs", operation_id = "render_frame",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: seconds, default 30, at most 60"),
-           ("Accept" = Option<String>, Header, description = "`image/*` for the image"),
+           ("Accept" = Option<String>, Header,
+            description = "`image/*` for the image; of a form `image/png` (default), `image/webp` or `multipart/mixed`"),
            ("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token")),
-    request_body(content = JobDescription, content_type = "application/json"),
+    request_body(content((JobDescription = "application/json"), (PictureUpload = "multipart/form-data"))),
     responses(
         (status = 200, description = "The image, or its record.",
-         content((ImageRecord = "application/json"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
+         content((ImageRecord = "application/json"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"),
+                  (Bytes = "multipart/mixed"))),
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
         (status = 409, response = crate::openapi::Problem),
         (status = 429, response = crate::openapi::Problem)))]
@@ -40,9 +52,32 @@ pub(crate) async fn create(
     submitter: Submitter,
     PreferredWait(wait): PreferredWait,
     headers: HeaderMap,
-    JsonBytes(body): JsonBytes,
+    request: Request,
 ) -> Result<Response, Problem> {
-    let job = jobs.parse(&in_dataset(&body)).await?;
+    let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
+    if is_form(&headers) {
+        let MultipartBody(body) = MultipartBody::from_request(request, &()).await?;
+        return render_picture(&jobs, &submitter, &headers, wait, body).await;
+    }
+    let JsonBytes(body) = JsonBytes::from_request(request, &()).await?;
+    if body.len() > limits::JSON_BYTES {
+        return Err(Problem::new(
+            Slug::TooLarge,
+            "the body exceeds the limit of this route",
+        ));
+    }
+    render_described(&jobs, submitter, wait, &headers, &body).await
+}
+
+/// Renders the frame of a description.
+async fn render_described(
+    jobs: &Arc<Jobs>,
+    submitter: Submitter,
+    wait: Duration,
+    headers: &HeaderMap,
+    body: &[u8],
+) -> Result<Response, Problem> {
+    let job = jobs.parse(&in_dataset(body)).await?;
     if job.frames() != 1 {
         let message = format!(
             "a render has one frame, but the description has {}; submit a job instead",
@@ -50,9 +85,8 @@ pub(crate) async fn create(
         );
         return Err(Problem::field("/count", message));
     }
-    let is_kept = names_dataset(&body) || submitter.idempotency_key.is_some();
-    let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
-    if !is_kept && wait >= Live::LIMIT && wants_picture(&headers) {
+    let is_kept = names_dataset(body) || submitter.idempotency_key.is_some();
+    if !is_kept && wait >= Live::LIMIT && wants_picture(headers) {
         jobs.check_runtime(&job)?;
         if let Some(live) = &jobs.processes.live
             && let Some(drawn) = live.draw(&job, &submitter.owner).await
@@ -75,7 +109,7 @@ pub(crate) async fn create(
     let (submitted, request) = jobs.submit_direct(job, submission, unanswered).await?;
     let ended = async {
         let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
-        let response = respond(&jobs, &headers, &row, is_kept).await?;
+        let response = respond(jobs, headers, &row, is_kept).await?;
         Ok::<_, Problem>((row, response))
     };
     let (row, mut response) = match ended.await {
@@ -130,6 +164,16 @@ async fn why_failed(jobs: &Jobs, job: &str) -> Result<Problem, Problem> {
     let failure = jobs.catalogue.failures(job, None, 1).await?.pop();
     let error = failure.map_or_else(|| "no reason was recorded".to_owned(), |failure| failure.error);
     Ok(Problem::new(Slug::RenderFailed, error))
+}
+
+fn is_form(headers: &HeaderMap) -> bool {
+    let content_type = headers
+        .get(header::CONTENT_TYPE)
+        .and_then(|value| value.to_str().ok());
+    let essence = content_type
+        .and_then(|text| text.split(';').next())
+        .map(str::trim);
+    essence.is_some_and(|text| text.eq_ignore_ascii_case("multipart/form-data"))
 }
 
 fn wants_picture(headers: &HeaderMap) -> bool {

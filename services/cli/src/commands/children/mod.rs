@@ -7,6 +7,7 @@ mod frames;
 mod jobs;
 mod lines;
 mod live;
+mod pictures;
 mod rerender;
 mod shards;
 
@@ -20,6 +21,8 @@ pub(crate) enum Task {
     Rerender(rerender::Arguments),
     /// Render preview frames, one after another
     Live(EngineArguments),
+    /// Render pictures of requests, one after another
+    Pictures(EngineArguments),
     /// Decode an upload
     Decode(decode::Arguments),
     /// Try an unverified style network
@@ -37,6 +40,7 @@ impl Task {
         match self {
             Self::Rerender(arguments) => rerender::run(arguments),
             Self::Live(arguments) => live::run(arguments),
+            Self::Pictures(arguments) => pictures::run(arguments),
             Self::Decode(arguments) => decode::run(arguments),
             Self::CheckStyle(arguments) => check_style::run(arguments),
             Self::Shards(arguments) => shards::run(arguments),
