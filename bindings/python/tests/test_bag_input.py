@@ -303,6 +303,10 @@ def test_wrong_files_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert (tmp_path / "wet.mcap").read_text() == "mine"
     assert convert(tmp_path, dive, "--image", IMAGE, job={"water": 3}, out="other.mcap") == 2
     assert "Invalid job" in capsys.readouterr().err
+    assert convert(tmp_path, dive, "--image", IMAGE, "--styles", "/nope", out="other.mcap") == 2
+    assert "/nope cannot be read" in capsys.readouterr().err
+    assert command.main([str(dive), "other.mcap", "--job", "/nope.json", "--image", IMAGE]) == 2
+    assert "/nope.json: No such file or directory" in capsys.readouterr().err
     assert not (tmp_path / "other.mcap").exists()
 
 
@@ -328,3 +332,20 @@ def test_a_stopped_conversion_leaves_nothing(tmp_path: Path, number: signal.Sign
         os.kill(process.pid, number)
         assert process.wait(20) == 128 + number
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dive_mcap", "job.json"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_full_disk_leaves_nothing(tmp_path: Path, kind: str) -> None:
+    with Recorder(tmp_path, kind) as recorder:
+        recorder.image(IMAGE, START_NS, "rgb8", make_pixels(0))
+        for number in range(40):
+            recorder.note(START_NS + number * STEP_NS, "x" * 60_000)
+    (tmp_path / "job.json").write_text("{}")
+    out = f"wet{recorder.path.suffix}"
+    converting = [sys.executable, "-m", "fathom.bag", str(recorder.path), out, "--job", "job.json", "--image", IMAGE]
+    limit = "import os, resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (10**6, 10**6))"
+    arguments = [sys.executable, "-c", f"{limit}; os.execv(sys.argv[1], sys.argv[1:])", *converting]
+    result = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path)
+    assert (result.returncode, result.stderr.count("\n")) == (1, 1), result.stderr
+    assert "fathom: the output cannot be written: " in result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([recorder.path.name, "job.json"])

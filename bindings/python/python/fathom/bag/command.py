@@ -12,6 +12,7 @@ from fathom.bag.convert import convert
 from fathom.bag.errors import BagError
 from fathom.bag.recording import Recording
 from fathom.bag.report import Report
+from fathom.errors import FathomError
 from fathom.stream import Stream
 
 _UNPACK = "--unpack"
@@ -28,18 +29,30 @@ def run(arguments: Sequence[str]) -> int:
     """Convert a recording and return the exit status."""
     options = _read_arguments(arguments)
     check_camera_options(options)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        stream = Stream(options.job, vary=options.vary, styles=options.styles, onnxruntime=options.onnxruntime)
     report = Report()
-    for warning in caught:
-        report.note(f"warning: {warning.message}")
+    stream = _open_stream(options, report)
     with Recording(options.recording) as recording:
         topics, frames = open_frames(options, recording, report)
         if not convert(recording, options.out, stream, topics, frames, report, options.range):
             report.summarize()
             raise BagError(f"no frame of {options.image} could be converted; nothing was written")
         return status.end(recording, report)
+
+
+def _open_stream(options: argparse.Namespace, report: Report) -> Stream:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            stream = Stream(options.job, vary=options.vary, styles=options.styles, onnxruntime=options.onnxruntime)
+        except OSError as error:
+            raise BagError(f"{options.job}: {error.strerror}") from None
+        except FathomError:
+            raise
+        except ValueError as error:
+            raise BagError(str(error)) from None
+    for warning in caught:
+        report.note(f"warning: {warning.message}")
+    return stream
 
 
 def _read_arguments(arguments: Sequence[str]) -> argparse.Namespace:

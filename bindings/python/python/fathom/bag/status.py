@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import signal
+import sqlite3
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from fathom.bag.errors import BagError
 from fathom.bag.recording import Recording
 from fathom.bag.report import Report, format_stamp
 from fathom.errors import FathomError
@@ -21,11 +21,11 @@ def run(command: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> in
     before = signal.signal(signal.SIGTERM, _stop)
     try:
         return command(arguments)
-    except (BagError, FathomError) as error:
+    except FathomError as error:
         print(f"fathom: {error}", file=sys.stderr)
         return BAD_INPUT
-    except OSError as error:
-        print(f"fathom: {error}", file=sys.stderr)
+    except (OSError, sqlite3.Error) as error:
+        print(f"fathom: the output cannot be written: {error}", file=sys.stderr)
         return SOME_FRAMES
     except KeyboardInterrupt:
         print("fathom: stopped; nothing was written", file=sys.stderr)
