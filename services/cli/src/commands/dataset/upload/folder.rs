@@ -29,6 +29,12 @@ pub(super) fn upload_folder(client: &Client, arguments: &Arguments) -> Result<()
         let posed = plan.scenes.iter().filter(|scene| scene.has_pose()).count();
         plan.notes
             .push(format!("{posed} of {} pictures have a pose", plan.scenes.len()));
+        if let (0, Some(path)) = (posed, &arguments.pose) {
+            plan.problems.push(format!(
+                "no frame of {} has a `transform_matrix`; leave --pose out or give a file with poses",
+                path.display()
+            ));
+        }
     }
     if arguments.camera().is_given() && plan.scenes.iter().any(|scene| scene.camera.is_given()) {
         plan.notes

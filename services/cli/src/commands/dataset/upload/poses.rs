@@ -24,7 +24,7 @@ pub(super) struct Transforms {
 pub(super) struct Transform {
     /// Path of the picture; some programs leave the extension out.
     pub(super) file_path: String,
-    /// Absent if the pose is unknown; the frame then has a camera alone.
+    /// Absent if the pose is unknown.
     #[serde(default)]
     transform_matrix: Option<Matrix>,
     #[serde(default)]
@@ -33,13 +33,6 @@ pub(super) struct Transform {
     pub(super) mask_path: Option<String>,
     #[serde(flatten)]
     camera: Map<String, Value>,
-}
-
-impl Transform {
-    /// Whether the frame has neither a pose nor a camera of its own.
-    fn is_empty(&self) -> bool {
-        self.transform_matrix.is_none() && self.camera.is_empty()
-    }
 }
 
 /// Rows of the matrix from camera axes right, up, back to the world; some programs leave the last one out.
@@ -115,13 +108,6 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
         let example = transforms.frames.first().map_or("none", |frame| &frame.file_path);
         plan.problems.push(format!(
             "no picture fits a frame of {}; its first frame is {example}",
-            path.display()
-        ));
-    }
-    if let Some(frame) = transforms.frames.iter().find(|frame| frame.is_empty()) {
-        plan.problems.push(format!(
-            "{} of {} has neither `transform_matrix` nor a camera; give one of them",
-            frame.file_path,
             path.display()
         ));
     }
