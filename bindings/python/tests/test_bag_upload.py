@@ -12,6 +12,7 @@ import pytest
 
 rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed: recordings are not tested")
 
+from conftest import BINARY  # noqa: E402
 from recordings import (  # noqa: E402
     DEPTH,
     IMAGE,
@@ -32,7 +33,7 @@ def run(*arguments: str, python: str = sys.executable) -> subprocess.CompletedPr
     environment = os.environ | {"FATHOM_PYTHON": python}
     command = [sys.executable, "-m", "fathom", *arguments]
     if python != sys.executable:
-        command = [os.environ.get("FATHOM", "fathom"), *arguments]
+        command = [BINARY, *arguments]
     return subprocess.run(command, capture_output=True, text=True, env=environment)
 
 
@@ -55,8 +56,10 @@ def upload(server: str, recording: Path, collection: str, *options: str) -> subp
 def list_scenes(server: str, collection: str) -> dict[str, dict[str, Any]]:
     """Return the scenes of a collection by name."""
     place = ["--json", "--server", server, "--token", "secret"]
-    listed = [json.loads(line) for line in run("scenes", *place).stdout.splitlines()]
-    members = [json.loads(line) for line in run("scenes", "--collection", collection, *place).stdout.splitlines()]
+    listed, members = (
+        [json.loads(line) for line in subprocess.check_output([BINARY, "scenes", *options, *place]).splitlines()]
+        for options in ([], ["--collection", collection])
+    )
     scenes = {scene["id"]: scene for scene in listed}
     return {member["name"]: scenes[member["id"]] for member in members}
 

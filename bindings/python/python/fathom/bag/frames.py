@@ -12,7 +12,6 @@ from rosbags.interfaces import Connection
 
 from fathom.bag.errors import BagError
 from fathom.bag.poses import NoPose, Poses
-from fathom.bag.reader import describe_error
 from fathom.bag.recording import Recording
 from fathom.bag.report import Report, format_stamp
 from fathom.bag.topics import Topics
@@ -71,10 +70,8 @@ class Frames:
             return
         try:
             message = self._recording.deserialize(connection, data)
-        except Exception as error:
-            # The library raises errors of many types for bytes that are no message of the type.
-            reason = f"{connection.topic}: the message cannot be read: {describe_error(error)}"
-            self._report.leave_out(recorded_ns, f"{connection.topic}: unreadable message", reason)
+        except MessageError as error:
+            self._report.leave_out(recorded_ns, f"{error.topic}: {error.kind}", str(error))
             return
         timed = Timed(recorded_ns, message)
         if connection.topic == self._topics.camera_info:

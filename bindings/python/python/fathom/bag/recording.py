@@ -16,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from fathom.bag.damaged import open_damaged
 from fathom.bag.errors import BagError
 from fathom.bag.reader import Reader, describe_error
+from fathom.messages.errors import MessageError
 
 Message = tuple[Connection, int, bytes]
 """A connection, the time of recording in nanoseconds, and the bytes of the message."""
@@ -84,10 +85,15 @@ class Recording:
         raise BagError(f"{self.path} has no topic {topic}; its topics are\n  {listed}")
 
     def deserialize(self, connection: Connection, data: bytes) -> Any:
-        """Return the message of one of the standard types."""
-        if self.kind is Kind.ROS1:
-            return self._store.deserialize_ros1(data, connection.msgtype)
-        return self._store.deserialize_cdr(data, connection.msgtype)
+        """Return the message of one of the standard types; raises `MessageError`."""
+        try:
+            if self.kind is Kind.ROS1:
+                return self._store.deserialize_ros1(data, connection.msgtype)
+            return self._store.deserialize_cdr(data, connection.msgtype)
+        except Exception as error:
+            # The library raises errors of many types for bytes that are no message of the type.
+            reason = f"the message cannot be read: {describe_error(error)}"
+            raise MessageError(connection.topic, reason, "unreadable message") from None
 
     def serialize(self, message: Any, msgtype: str) -> memoryview:
         """Return the bytes of a message of one of the standard types."""
