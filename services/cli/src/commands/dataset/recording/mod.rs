@@ -2,7 +2,7 @@
 
 mod python;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 pub(crate) use python::run_module;
@@ -57,7 +57,7 @@ impl CameraArguments {
 }
 
 /// An option with its value in one argument, so that no value passes for an option.
-pub(crate) fn join_option(name: &str, value: &OsString) -> OsString {
+pub(crate) fn join_option(name: &str, value: &OsStr) -> OsString {
     let mut joined = OsString::from(name);
     joined.push("=");
     joined.push(value);
@@ -98,6 +98,6 @@ mod tests {
 
     #[test]
     fn a_value_that_looks_like_an_option_stays_a_value() {
-        assert_eq!(join_option("--depth", &"--help".into()), "--depth=--help");
+        assert_eq!(join_option("--depth", OsStr::new("--help")), "--depth=--help");
     }
 }
