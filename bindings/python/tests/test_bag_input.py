@@ -167,7 +167,7 @@ def test_a_message_of_other_bytes_is_left_out(tmp_path: Path, capsys: pytest.Cap
 @pytest.mark.parametrize(
     ("info", "job", "reason"),
     [
-        ({"width": 64}, JOB, f"/cam/camera_info: the camera is 64×{HEIGHT} but the image {WIDTH}×{HEIGHT}"),
+        ({"width": 64}, JOB, f"/cam/camera_info: describes pictures of 64×{HEIGHT}, but they are {WIDTH}×{HEIGHT}"),
         ({}, JOB | {"camera": {"hfov_deg": 90}}, "`camera` has a focal length of 30.0 px, but `camera.hfov_deg`"),
     ],
 )
@@ -265,6 +265,7 @@ def test_types_without_definitions_are_copied(tmp_path: Path) -> None:
         (["--image", IMAGE, "--depth", INFO], "--depth /cam/camera_info is sensor_msgs/msg/CameraInfo; must be"),
         (["--image", IMAGE, "--depth", IMAGE], "--image and --depth are both /cam/image"),
         (["--image", IMAGE, "--camera-info", DEPTH], "--camera-info /cam/depth is sensor_msgs/msg/Image; must be"),
+        (["--image", IMAGE, "--rectified"], "--rectified needs --camera-info"),
         (["--image", IMAGE, "--slop-s", "2"], "--slop-s is 2; must be 0 to 1"),
         (["--image", IMAGE, "--slop-s", "nan"], "--slop-s is nan; must be 0 to 1"),
         (["--image", IMAGE, "--world", "map"], "has no topic of tf2_msgs/msg/TFMessage; --world needs /tf"),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fathom import _native
-from fathom.messages.cameras import is_distorted, read_camera
+from fathom.messages.cameras import has_distortion, read_camera
 from fathom.messages.errors import MessageError
 from fathom.messages.images import is_compressed, read_depth, read_picture, read_stamp, write_fields
 from fathom.messages.pairing import Pairing
@@ -129,32 +129,15 @@ def test_written_fields_hold_the_array(values: NDArray[Any], encoding: str, step
     assert fields["data"].tobytes() == values[:, ::-1].tobytes()
 
 
-def make_info(**changes: Any) -> SimpleNamespace:
-    fields: dict[str, Any] = {"width": 5, "height": 4, "k": np.array([4.0, 0, 2, 0, 4, 1.5, 0, 0, 1]), "d": []}
-    return SimpleNamespace(**fields | {"binning_x": 0, "binning_y": 0} | changes)
-
-
-def test_the_camera_is_the_matrix_of_its_info() -> None:
-    assert read_camera(make_info(), "/info", 5, 4).tolist() == [[4, 0, 2], [0, 4, 1.5], [0, 0, 1]]
-    of_ros1 = make_info(K=make_info().k, D=[0.1])
-    del of_ros1.k, of_ros1.d
-    assert read_camera(of_ros1, "/info", 5, 4)[0, 0] == 4
-    assert is_distorted(of_ros1)
-    assert not is_distorted(make_info())
-
-
-@pytest.mark.parametrize(
-    ("info", "error"),
-    [
-        (make_info(width=6), "/info: the camera is 6×4 but the image 5×4; both must be equal"),
-        (make_info(k=np.zeros(9)), "/info: `k` has the focal length 0.0; must be above 0"),
-        (make_info(binning_x=2), "/info: `binning_x` is 2; must be 0 or 1"),
-    ],
-)
-def test_a_camera_that_contradicts_the_image_is_refused(info: Any, error: str) -> None:
-    with pytest.raises(MessageError) as raised:
-        read_camera(info, "/info", 5, 4)
-    assert error in str(raised.value)
+def test_the_camera_info_of_ros1_has_capital_letters() -> None:
+    region = SimpleNamespace(x_offset=0, y_offset=0, width=0, height=0)
+    sizes = {"width": 5, "height": 4, "binning_x": 0, "binning_y": 0, "roi": region}
+    info = SimpleNamespace(
+        **sizes, K=[4.0, 0, 2, 0, 4, 1.5, 0, 0, 1], P=[5.0, 0, 2, 0, 0, 5, 1, 0, 0, 0, 1, 0], D=[0.1]
+    )
+    assert read_camera(info, (5, 4), "/info", rectified=False).tolist() == [[4, 0, 2], [0, 4, 1.5], [0, 0, 1]]
+    assert read_camera(info, (5, 4), "/info", rectified=True).tolist() == [[5, 0, 2], [0, 5, 1], [0, 0, 1]]
+    assert has_distortion(info)
 
 
 def test_a_stamp_before_1970_is_refused() -> None:

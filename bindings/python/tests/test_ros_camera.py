@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fathom.messages.cameras import has_distortion, read_camera
 from fathom.messages.errors import MessageError
-from fathom.ros.camera import has_distortion, read_camera
 
 K = [100.0, 0.0, 79.5, 0.0, 110.0, 59.5, 0.0, 0.0, 1.0]
 P = [90.0, 0.0, 80.0, 5.0, 0.0, 95.0, 60.0, 0.0, 0.0, 0.0, 1.0, 0.0]

@@ -23,6 +23,7 @@ def add_camera_options(parser: argparse.ArgumentParser) -> None:
         "--depth", metavar="TOPIC", help="depths along the optical axis: 32FC1 meters, 16UC1 millimeters"
     )
     parser.add_argument("--camera-info", metavar="TOPIC", help="camera of the pictures [default: that of the job]")
+    parser.add_argument("--rectified", action="store_true", help="use P of the camera info, not K")
     parser.add_argument(
         "--slop-s",
         type=float,
@@ -60,7 +61,7 @@ def check_camera_options(options: argparse.Namespace) -> None:
 
 def open_frames(options: argparse.Namespace, recording: Recording, report: Report) -> tuple[Topics, Frames]:
     """Return the checked topics and their frames; raises `BagError`."""
-    topics = Topics(options.image, options.depth, options.camera_info)
+    topics = Topics(options.image, options.depth, options.camera_info, options.rectified)
     topics.check(recording)
     for topic in topics.list_unused_camera_info(recording):
         report.note(f"note: {topic} is not used; give --camera-info {topic} for its focal length")

@@ -15,7 +15,7 @@ from fathom.bag.poses import NoPose, Poses
 from fathom.bag.recording import Recording
 from fathom.bag.report import Report, format_stamp
 from fathom.bag.topics import Topics
-from fathom.messages.cameras import is_distorted, read_camera
+from fathom.messages.cameras import has_distortion, read_camera
 from fathom.messages.errors import MessageError
 from fathom.messages.images import Picture, read_depth, read_picture, read_stamp
 from fathom.messages.pairing import Pair, Pairing
@@ -58,10 +58,10 @@ class Frames:
         self._pairing: Pairing[Timed, Timed] = Pairing(slop_ns)
         self._newest_ns: int | None = None
         self._info = self._read_first_info()
-        if self._info is not None and is_distorted(self._info):
+        if self._info is not None and has_distortion(self._info) and not topics.rectified:
             report.note(
-                f"note: {topics.camera_info} has distortion, which is not used; give a rectified image, or set "
-                "`camera.distortion` in the job"
+                f"note: {topics.camera_info} has distortion, which is not used; give a rectified image and "
+                "--rectified, or set `camera.distortion` in the job"
             )
 
     def add(self, connection: Connection, recorded_ns: int, data: bytes) -> Iterator[Frame]:
@@ -140,7 +140,9 @@ class Frames:
         height, width = picture.rgb.shape[:2]
         camera = None
         if self._topics.camera_info is not None:
-            camera = read_camera(self._info, self._topics.camera_info, width, height)
+            camera = read_camera(
+                self._info, (width, height), self._topics.camera_info, rectified=self._topics.rectified
+            )
         depth = None if self._topics.depth is None else self._read_depth(pair, self._topics.depth, (height, width))
         pose = None if self._poses is None else self._poses.find(pair.stamp_ns, message.header.frame_id)
         return Frame(pair.stamp_ns, pair.image.recorded_ns, message.header, picture, depth, camera, pose)

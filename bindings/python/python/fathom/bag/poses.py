@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fathom.bag.errors import BagError
 from fathom.bag.recording import Recording
 from fathom.bag.topics import require_type
-from fathom.bag.track import NoPose, Track, make_matrix
+from fathom.bag.track import NoPose, Track
 from fathom.messages.images import read_stamp
 
 __all__ = ["NoPose", "Poses", "TopicPoses", "TransformPoses"]
@@ -91,7 +91,9 @@ class TransformPoses:
         child, parent = transform.child_frame_id.lstrip("/"), transform.header.frame_id.lstrip("/")
         translation, rotation = transform.transform.translation, transform.transform.rotation
         if topic.endswith("static"):
-            self._fixed[child] = (parent, make_matrix(translation, rotation))
+            fixed = Track(f"{topic} from {child} to {parent}")
+            fixed.add(0, translation, rotation)
+            self._fixed[child] = (parent, fixed.interpolate(0))
             return
         known = self._moving.setdefault(child, (parent, Track(f"{topic} from {child} to {parent}")))
         if known[0] != parent:

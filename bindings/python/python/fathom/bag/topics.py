@@ -16,11 +16,13 @@ CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 
 @dataclass(frozen=True)
 class Topics:
-    """Names of the topics of a camera."""
+    """The topics of a camera."""
 
     image: str
     depth: str | None = None
     camera_info: str | None = None
+    rectified: bool = False
+    """Whether the pictures are rectified: the camera is P, not K, of the camera info."""
 
     def check(self, recording: Recording) -> None:
         """Raise `BagError` for a topic that the recording does not have, or of another type."""
@@ -29,6 +31,8 @@ class Topics:
             require_type(recording, "--depth", self.depth, (IMAGE, COMPRESSED))
         if self.camera_info is not None:
             require_type(recording, "--camera-info", self.camera_info, (CAMERA_INFO,))
+        if self.rectified and self.camera_info is None:
+            raise BagError("--rectified needs --camera-info")
         if self.depth == self.image:
             raise BagError(f"--image and --depth are both {self.image}; give the topic of the depths")
 

@@ -1,4 +1,4 @@
-"""The matrix of a camera from `CameraInfo`."""
+"""The camera of a picture from `sensor_msgs/CameraInfo`."""
 
 from __future__ import annotations
 
@@ -10,23 +10,37 @@ from numpy.typing import NDArray
 from fathom.messages.errors import MessageError
 
 
-def read_camera(message: Any, topic: str, width: int, height: int) -> NDArray[np.float64]:
-    """Return K as the `camera` of a `fathom.Stream`, for a picture of this size; raises `MessageError`."""
-    if (message.width, message.height) != (width, height):
-        size = f"{message.width}×{message.height}"
-        raise MessageError(topic, f"the camera is {size} but the image {width}×{height}; both must be equal", "camera")
-    for name in ("binning_x", "binning_y"):
-        if getattr(message, name) > 1:
-            reason = f"`{name}` is {getattr(message, name)}; must be 0 or 1, give the image without binning"
-            raise MessageError(topic, reason, "camera")
-    # ROS 1 writes the field as a capital letter.
-    values = message.k if hasattr(message, "k") else message.K
-    matrix = np.asarray(values, dtype=np.float64).reshape(3, 3)
-    if not np.isfinite(matrix).all() or matrix[0, 0] <= 0:
-        raise MessageError(topic, f"`k` has the focal length {matrix[0, 0]}; must be above 0", "camera")
+def read_camera(message: Any, size: tuple[int, int], topic: str, *, rectified: bool) -> NDArray[np.float64]:
+    """Return the matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] of pictures of this width and height.
+
+    It is K of the message, P for `rectified` pictures, moved and scaled by its region of interest and binning. Raises
+    `MessageError` if the message belongs to pictures of another size or has no focal length.
+    """
+    name, columns = ("p", 4) if rectified else ("k", 3)
+    matrix: NDArray[np.float64] = np.array(_get(message, name), np.float64).reshape(3, columns)[:, :3].copy()
+    focal = matrix[0, 0], matrix[1, 1]
+    if not (np.isfinite(matrix).all() and min(focal) > 0):
+        reason = f"`{name}` has the focal lengths {focal[0]:g} and {focal[1]:g} px; must be above 0"
+        raise MessageError(topic, f"{reason}; calibrate the camera or do not use its camera_info", "camera")
+    roi = message.roi
+    binning = max(int(message.binning_x), 1), max(int(message.binning_y), 1)
+    full = int(roi.width) or int(message.width), int(roi.height) or int(message.height)
+    described = full[0] // binning[0], full[1] // binning[1]
+    if described != size:
+        reason = f"describes pictures of {described[0]}×{described[1]}, but they are {size[0]}×{size[1]}"
+        raise MessageError(topic, f"{reason}; give the camera_info of the same camera", "camera")
+    for row, (offset, step) in enumerate(zip((roi.x_offset, roi.y_offset), binning, strict=True)):
+        # Centers of binned pixels: (x + 1/2) / step - 1/2.
+        matrix[row, 2] = (matrix[row, 2] - offset + 0.5) / step - 0.5
+        matrix[row, :2] /= step
     return matrix
 
 
-def is_distorted(message: Any) -> bool:
-    """Whether the picture is distorted, which a matrix alone does not describe."""
-    return bool(np.any(message.d if hasattr(message, "d") else message.D))
+def has_distortion(message: Any) -> bool:
+    """Whether the lens of the message is distorted."""
+    return any(float(coefficient) != 0 for coefficient in _get(message, "d"))
+
+
+def _get(message: Any, name: str) -> Any:
+    """Return a field, which ROS 1 writes as a capital letter."""
+    return getattr(message, name) if hasattr(message, name) else getattr(message, name.upper())

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom.errors import FathomError
+from fathom.messages.cameras import read_camera
 from fathom.messages.images import read_depth, read_picture
 from fathom.messages.pairing import Pair
-from fathom.ros.camera import read_camera
 from fathom.ros.diagnostics import Topics
 from fathom.ros.settings import Settings
 from fathom.ros.transforms import Transforms

@@ -13,8 +13,8 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
 from fathom.errors import FathomError
+from fathom.messages.cameras import has_distortion
 from fathom.messages.pairing import Pair
-from fathom.ros.camera import has_distortion
 from fathom.ros.counts import BUSY, FAILED, NO_CAMERA, NO_POSE, Counts
 from fathom.ros.description import list_enhancements, list_ignored
 from fathom.ros.diagnostics import judge, list_values

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom.errors import FathomError
+from fathom.messages.poses import interpolate, make_matrix, read_numbers
 
 _KEPT_NS = 10_000_000_000
 """Age of the transforms that are kept, as in tf2."""
@@ -58,7 +59,7 @@ class _Link:
         if not 0 < after < len(self._stamped):
             return None
         (begin, first), (end, second) = self._stamped[after - 1 : after + 1]
-        return _blend(first, second, (stamp_ns - begin) / (end - begin))
+        return interpolate(first, second, (stamp_ns - begin) / (end - begin))
 
 
 class Transforms:
@@ -87,7 +88,7 @@ class Transforms:
             if link is None or link.parent != parent:
                 link = self._links[child] = _Link(parent)
             moved, turned = stamped.transform.translation, stamped.transform.rotation
-            numbers = (moved.x, moved.y, moved.z, turned.x, turned.y, turned.z, turned.w)
+            numbers = read_numbers(moved, turned)
             stamp = stamped.header.stamp
             link.add(int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), numbers, is_static=is_static)
 
@@ -117,33 +118,6 @@ class Transforms:
                 raise NoPose(
                     f"/tf has `{current}` from {first} to {last} s, but the picture was taken at {stamp_ns / 1e9:.3f} s"
                 )
-            pose = _make_matrix(numbers) @ pose
+            pose = make_matrix(numbers) @ pose
             current = link.parent
         raise NoPose(f"/tf has more than {_MOST_FRAMES} transforms from `{frame}` to `{world}`")
-
-
-def _blend(first: tuple[float, ...], second: tuple[float, ...], share: float) -> tuple[float, ...]:
-    """Interpolate translations linearly and rotations on the sphere."""
-    begin, end = np.array(first), np.array(second)
-    moved = begin[:3] + share * (end[:3] - begin[:3])
-    cosine = float(begin[3:] @ end[3:])
-    if cosine < 0:
-        end[3:], cosine = -end[3:], -cosine
-    angle = np.arccos(min(cosine, 1.0))
-    if angle < 1e-6:
-        turned = begin[3:] + share * (end[3:] - begin[3:])
-    else:
-        turned = (np.sin((1 - share) * angle) * begin[3:] + np.sin(share * angle) * end[3:]) / np.sin(angle)
-    return (*moved.tolist(), *turned.tolist())
-
-
-def _make_matrix(numbers: tuple[float, ...]) -> Matrix:
-    x, y, z, w = np.array(numbers[3:]) / (np.linalg.norm(numbers[3:]) or 1.0)
-    matrix: Matrix = np.eye(4)
-    matrix[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    matrix[:3, 3] = numbers[:3]
-    return matrix
