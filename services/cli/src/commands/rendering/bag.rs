@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use cli::exit::Failure;
 use cli::styles::StyleArguments;
 
-use crate::commands::dataset::recording::{CameraArguments, join_option, run_module};
+use crate::commands::dataset::recording::{CameraArguments, Given, run_module};
 
 /// Options of `fathom bag`.
 #[derive(clap::Args)]
@@ -45,21 +45,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn list_arguments(arguments: &Arguments) -> Vec<OsString> {
     let Arguments { style, camera, .. } = arguments;
     let mut options = camera.list_given();
-    options.push(("--job", arguments.job.clone().into()));
-    options.push(("--image", arguments.image.clone().into()));
-    options.extend(arguments.vary.iter().map(|vary| ("--vary", vary.into())));
-    options.extend(style.styles.iter().map(|folder| ("--styles", folder.into())));
+    options.push(Given::new("--job", &arguments.job));
+    options.push(Given::new("--image", &arguments.image));
+    options.extend(arguments.vary.iter().map(|vary| Given::new("--vary", vary)));
+    options.extend(style.styles.iter().map(|folder| Given::new("--styles", folder)));
     options.extend(
         style
             .onnxruntime
             .iter()
-            .map(|file| ("--onnxruntime", file.into())),
+            .map(|file| Given::new("--onnxruntime", file)),
     );
-    let mut listed: Vec<OsString> = options
-        .iter()
-        .map(|(name, value)| join_option(name, value))
-        .collect();
-    listed.extend(arguments.range.then(|| OsString::from("--range")));
+    options.extend(arguments.range.then(|| Given::flag("--range")));
+    let mut listed: Vec<OsString> = options.iter().map(Given::join).collect();
     listed.push("--".into());
     listed.extend([arguments.recording.clone().into(), arguments.out.clone().into()]);
     listed
@@ -73,7 +70,7 @@ mod tests {
 
     #[test]
     fn python_receives_every_option() {
-        let given = "fathom bag --job=j.json --image=/a --depth=/b --camera-info=/c --slop-s=0.1 --stamps=header --world=map \
+        let given = "fathom bag --job=j.json --image=/a --depth=/b --camera-info=/c --rectified --slop-s=0.1 --stamps=header --world=map \
                      --pose-topic=/p --pose-axes=body --range --vary=frame --styles=s --onnxruntime=o -- in.bag -out.bag";
         let matches = crate::commands::command()
             .try_get_matches_from(given.split_whitespace())

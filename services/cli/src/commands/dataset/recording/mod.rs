@@ -2,7 +2,7 @@
 
 mod python;
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 use std::path::Path;
 
 pub(crate) use python::run_module;
@@ -19,6 +19,9 @@ pub(crate) struct CameraArguments {
     /// Camera of the pictures
     #[arg(long, value_name = "TOPIC")]
     camera_info: Option<String>,
+    /// Use P of the camera info, not K: the pictures are rectified
+    #[arg(long)]
+    rectified: bool,
     /// Longest time between a picture and its depth [default: 0.02]
     #[arg(long, value_name = "SECONDS")]
     slop_s: Option<f64>,
@@ -37,8 +40,8 @@ pub(crate) struct CameraArguments {
 }
 
 impl CameraArguments {
-    /// Those that are given, with their names.
-    pub(crate) fn list_given(&self) -> Vec<(&'static str, OsString)> {
+    /// Those that are given.
+    pub(crate) fn list_given(&self) -> Vec<Given> {
         let slop_s = self.slop_s.map(|seconds| seconds.to_string());
         let options = [
             ("--depth", &self.depth),
@@ -51,17 +54,39 @@ impl CameraArguments {
         ];
         let given = options
             .into_iter()
-            .filter_map(|(name, value)| Some((name, value.as_ref()?.into())));
-        given.collect()
+            .filter_map(|(name, value)| Some(Given::new(name, value.as_ref()?)));
+        given
+            .chain(self.rectified.then(|| Given::flag("--rectified")))
+            .collect()
     }
 }
 
-/// An option with its value in one argument, so that no value passes for an option.
-pub(crate) fn join_option(name: &str, value: &OsStr) -> OsString {
-    let mut joined = OsString::from(name);
-    joined.push("=");
-    joined.push(value);
-    joined
+/// An option of a command line that is given.
+pub(crate) struct Given {
+    pub(crate) name: &'static str,
+    value: Option<OsString>,
+}
+
+impl Given {
+    pub(crate) fn new(name: &'static str, value: impl Into<OsString>) -> Self {
+        let value = Some(value.into());
+        Self { name, value }
+    }
+
+    /// An option without a value.
+    pub(crate) fn flag(name: &'static str) -> Self {
+        Self { name, value: None }
+    }
+
+    /// Both in one argument, so that no value passes for an option.
+    pub(crate) fn join(&self) -> OsString {
+        let mut joined = OsString::from(self.name);
+        if let Some(value) = &self.value {
+            joined.push("=");
+            joined.push(value);
+        }
+        joined
+    }
 }
 
 /// Whether a path names a recording: a file of messages, or a folder with such files.
@@ -98,6 +123,7 @@ mod tests {
 
     #[test]
     fn a_value_that_looks_like_an_option_stays_a_value() {
-        assert_eq!(join_option("--depth", OsStr::new("--help")), "--depth=--help");
+        assert_eq!(Given::new("--depth", "--help").join(), "--depth=--help");
+        assert_eq!(Given::flag("--rectified").join(), "--rectified");
     }
 }

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::arguments::Arguments;
 use super::folder::upload_folder;
 use super::layout::Layout;
-use crate::commands::dataset::recording::{join_option, run_module};
+use crate::commands::dataset::recording::{Given, run_module};
 
 /// Exit status of the module if some frames are missing and the others were written.
 const SOME_FRAMES: u8 = 1;
@@ -66,15 +66,11 @@ fn check_options(arguments: &Arguments) -> Result<(), Failure> {
 
 fn list_arguments(arguments: &Arguments, folder: &TempDir) -> Vec<OsString> {
     let mut options = arguments.recorded.list_given();
-    options.extend(arguments.image.iter().map(|topic| ("--image", topic.into())));
-    options.extend(
-        arguments
-            .every
-            .iter()
-            .map(|count| ("--every", count.to_string().into())),
-    );
+    options.extend(arguments.image.iter().map(|topic| Given::new("--image", topic)));
+    let every = arguments.every.map(|count| count.to_string());
+    options.extend(every.iter().map(|count| Given::new("--every", count)));
     let mut listed = vec![OsString::from("--unpack")];
-    listed.extend(options.iter().map(|(name, value)| join_option(name, value)));
+    listed.extend(options.iter().map(Given::join));
     listed.push("--".into());
     listed.extend([arguments.rgb.clone().into(), folder.path().into()]);
     listed
@@ -82,13 +78,8 @@ fn list_arguments(arguments: &Arguments, folder: &TempDir) -> Vec<OsString> {
 
 /// Options for recordings have no meaning for files.
 pub(super) fn refuse_topics(arguments: &Arguments) -> Result<(), Failure> {
-    let mut given: Vec<&str> = arguments
-        .recorded
-        .list_given()
-        .iter()
-        .map(|(name, _)| *name)
-        .collect();
-    given.extend(arguments.image.iter().map(|_| "--image"));
+    let mut given: Vec<&str> = arguments.image.iter().map(|_| "--image").collect();
+    given.extend(arguments.recorded.list_given().iter().map(|given| given.name));
     given.extend(arguments.every.iter().map(|_| "--every"));
     match given.first() {
         None => Ok(()),
