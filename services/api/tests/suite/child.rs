@@ -1,9 +1,10 @@
-//! Program for a service under test in place of `fathom`: it decodes, accepts jobs of a store without rendering them, and fails
+//! Program for a service under test in place of `fathom`: it decodes, renders pictures, accepts jobs of a store without rendering them, and fails
 //! at everything else.
 
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use api::{Accepted, Order};
 
@@ -17,6 +18,14 @@ fn main() -> ExitCode {
                 ExitCode::FAILURE
             }
         },
+        ["child", "pictures", ..] => {
+            let library = style::Library::embedded().expect("the shipped styles");
+            let engine = Arc::new(renderer::Engine::new(library, None));
+            match api::render_pictures(&engine, io::stdin().lock(), io::stdout().lock()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(_) => ExitCode::FAILURE,
+            }
+        }
         ["child", "jobs", "submit", store] => {
             let order: Order = serde_json::from_reader(io::stdin()).expect("an order");
             let location = format!("{store}/{}", order.id);

@@ -26,6 +26,8 @@ pub(crate) struct Setup {
     pub(crate) program: &'static str,
     /// Store of a broker whose workers render the jobs.
     pub(crate) broker_store: Option<PathBuf>,
+    /// Worker processes; without them the service renders no pictures of forms.
+    pub(crate) workers: usize,
 }
 
 impl Default for Setup {
@@ -41,6 +43,7 @@ impl Default for Setup {
             library: None,
             program: env!("CARGO_BIN_EXE_api-child"),
             broker_store: None,
+            workers: 0,
         }
     }
 }
@@ -114,6 +117,7 @@ fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let mut config = config(&folder, setup.token);
     config.program = setup.program.into();
     config.prices = setup.prices;
+    config.workers = setup.workers;
     if let Some(store) = setup.broker_store {
         config.stores = vec![store.display().to_string()];
         config.engine = Some(EngineOptions {

@@ -1,6 +1,7 @@
 //! Frames, and the scenes, styles and waters that they use.
 
-pub(crate) mod images;
+pub(crate) mod forms;
+mod images;
 pub(crate) mod lamps;
 pub(crate) mod networks;
 pub(crate) mod pictures;

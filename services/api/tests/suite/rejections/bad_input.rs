@@ -15,7 +15,7 @@ use tempfile::TempDir;
 use wire::messages::Lease;
 
 /// Rows and stored bytes of a folder of a stopped service.
-fn counted(data: &TempDir) -> String {
+pub(crate) fn counted(data: &TempDir) -> String {
     let runtime = tokio::runtime::Runtime::new().unwrap();
     runtime.block_on(async {
         let store = Store::open(data.path()).await.unwrap();

@@ -97,12 +97,14 @@ pub(crate) fn prepare_picture(
     scene: scenes::Scene,
     pose: Option<CameraPose>,
 ) -> Result<Prepared, RenderError> {
+    uploaded::check_objects(&scene, None)?;
     let hfov_deg = scene.intrinsics.is_none().then_some(frame.camera.hfov_deg);
-    Ok(Prepared {
+    let prepared = Prepared {
         pose,
         hfov_deg,
         ..checked(frame, scene, BTreeMap::new())?
-    })
+    };
+    Ok(label(frame, prepared, None))
 }
 
 /// Whether an artifact of the frame is made of labels.
@@ -230,16 +232,21 @@ fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError
         },
         ..decoded(frame, files)?
     };
+    Ok(label(frame, prepared, files.classes.as_ref()))
+}
+
+/// Adds the labels of a mask if an artifact needs them.
+fn label(frame: &Frame, prepared: Prepared, classes: Option<&Classes>) -> Prepared {
     let mask = prepared.scene.instances.as_ref().filter(|_| needs_labels(frame));
     let Some(mask) = mask else {
-        return Ok(prepared);
+        return prepared;
     };
-    let classes = files.classes.clone().unwrap_or_default();
-    Ok(Prepared {
+    let classes = classes.cloned().unwrap_or_default();
+    Prepared {
         labels: Some(Labels::uploaded(mask, &classes)),
         classes: Some(classes),
         ..prepared
-    })
+    }
 }
 
 fn decoded(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
