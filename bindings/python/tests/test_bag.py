@@ -28,6 +28,7 @@ from recordings import (  # noqa: E402
     make_pixels,
     record_dive,
 )
+from rosbags.rosbag2 import CompressionFormat, CompressionMode  # noqa: E402
 
 JOB: dict[str, Any] = {"seed": 3, "water": {"optics": "jerlov-3C"}, "camera": {"sensor": {}}, "enhance": ["gray_world"]}
 CAMERA = [[30.0, 0, 15.5], [0, 30.0, 11.5], [0, 0, 1]]
@@ -237,3 +238,21 @@ def test_frames_can_have_the_time_of_recording(tmp_path: Path) -> None:
     for number, image in enumerate(read_images(tmp_path / "recorded", WET)):
         out = stream(make_pixels(number), stamp_ns=START_NS + number * STEP_NS)
         assert image.data.tobytes() == out.rgb.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("kind", "mode"),
+    [("ros1", "LZ4"), ("ros1", "BZ2"), ("mcap", "STORAGE"), ("mcap", "FILE"), ("sqlite", "MESSAGE")],
+)
+def test_compressed_recordings_are_read(tmp_path: Path, kind: str, mode: str) -> None:
+    recorder = Recorder(tmp_path, kind)
+    if kind == "ros1":
+        recorder.writer.set_compression(recorder.writer.CompressionFormat[mode])
+    else:
+        recorder.writer.set_compression(CompressionMode[mode], CompressionFormat.ZSTD)
+    with recorder:
+        recorder.image(IMAGE, START_NS, "rgb8", make_pixels(0))
+    out = f"wet{recorder.path.suffix}"
+    assert convert(tmp_path, recorder.path, out, "--image", IMAGE, job={}) == 0
+    for topic in (IMAGE, WET):
+        assert [image.data.tobytes() for image in read_images(tmp_path / out, topic)] == [make_pixels(0).tobytes()]
