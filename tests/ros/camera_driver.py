@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drive import pile
 from harness import Diagnostics
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
@@ -53,9 +53,11 @@ class Camera:
 
     def __init__(self, name: str = "simulator") -> None:
         self.node = rclpy.create_node(name)
-        self._image = self.node.create_publisher(Image, "/camera/image", qos_profile_sensor_data)
-        self._depth = self.node.create_publisher(Image, "/camera/depth", qos_profile_sensor_data)
-        self._info = self.node.create_publisher(CameraInfo, "/camera/camera_info", qos_profile_sensor_data)
+        # Reliable; a node with the quality of sensor data receives it without the guarantee.
+        quality = QoSProfile(depth=10)
+        self._image = self.node.create_publisher(Image, "/camera/image", quality)
+        self._depth = self.node.create_publisher(Image, "/camera/depth", quality)
+        self._info = self.node.create_publisher(CameraInfo, "/camera/camera_info", quality)
         self.diagnostics = Diagnostics()
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self.diagnostics.take, 10)
         self._executor = SingleThreadedExecutor()

@@ -9,7 +9,7 @@ import pytest
 import rclpy
 from camera_driver import Camera, play
 from drive import SMALL, render_drive
-from harness import Diagnostics, Node, ParameterClient, Process, Subscriber, wait_until
+from harness import FILES, Diagnostics, Node, ParameterClient, Process, Subscriber, wait_until
 
 Start = Callable[..., Any]
 
@@ -35,6 +35,9 @@ def camera() -> Iterator[Camera]:
     """The topics of a simulator, in a graph apart from others of this machine."""
     os.environ.setdefault("ROS_DOMAIN_ID", str(100 + os.getpid() % 100))
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # Fast DDS has two names of this variable, the older one in Jazzy.
+    for name in ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"):
+        os.environ.setdefault(name, str(FILES / "fastdds.xml"))
     rclpy.init()
     driver = Camera()
     yield driver
@@ -66,7 +69,7 @@ def start() -> Iterator[Start]:
 def node(camera: Camera) -> Iterator[Node]:
     """A node with the parameters `live` for all tests of a file, ready to receive."""
     with start_processes() as begin:
-        begun = begin(Node, "live")
+        begun = begin(Node, "live", qos="reliable")
         camera.wait_for_node()
         yield begun
 
@@ -75,7 +78,7 @@ def node(camera: Camera) -> Iterator[Node]:
 def subscriber(camera: Camera, node: Node, shots: list[Any]) -> Iterator[Subscriber]:
     """A subscriber of the rendered pictures that has received the first one."""
     with start_processes() as begin:
-        begun = begin(Subscriber, "/fathom/image")
+        begun = begin(Subscriber, "/fathom/image", "reliable")
         wait_until(lambda: play(camera, shots, 1, 10) and begun.list_arrivals(), "the first picture arrives")
         yield begun
 

@@ -83,11 +83,11 @@ class Arrival:
 class Subscriber(Process):
     """The subscriber of `subscriber.py`, with the interpreter of `FATHOM_ROS_SUBSCRIBER`."""
 
-    def __init__(self, topic: str) -> None:
+    def __init__(self, topic: str, quality: str = "sensor_data") -> None:
         # The wheels of ROS start Python again with the paths of their libraries, unless these variables are there.
         environment = {name: value for name, value in os.environ.items() if name not in _OF_THIS_ROS}
         script = str(pathlib.Path(__file__).with_name("subscriber.py"))
-        super().__init__([os.environ["FATHOM_ROS_SUBSCRIBER"], script, topic], environment)
+        super().__init__([os.environ["FATHOM_ROS_SUBSCRIBER"], script, topic, quality], environment)
         wait_until(lambda: "ready" in self.read() or self.process.poll(), "the subscriber is ready", 60)
         assert self.process.poll() is None, self.read()
 

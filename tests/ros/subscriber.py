@@ -8,12 +8,13 @@ import zlib
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Image
 
 
 def main() -> None:
-    """Subscribe the topic of the first argument until the process is terminated."""
+    """Subscribe the topic of the first argument with the quality of the second until the process is terminated."""
+    quality = QoSProfile(depth=10) if sys.argv[2] == "reliable" else qos_profile_sensor_data
     rclpy.init()
     node = rclpy.create_node("subscriber")
 
@@ -23,7 +24,7 @@ def main() -> None:
         shape = message.width, message.height, message.encoding
         print(json.dumps([stamp, now, *shape, zlib.crc32(message.data)]), flush=True)
 
-    node.create_subscription(Image, sys.argv[1], write_line, qos_profile_sensor_data)
+    node.create_subscription(Image, sys.argv[1], write_line, quality)
     print("ready", importlib.metadata.version("ros-rclpy"), flush=True)
     try:
         rclpy.spin(node)

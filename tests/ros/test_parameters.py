@@ -43,7 +43,7 @@ def test_an_invalid_value_is_rejected_with_the_message_of_the_job(
         "allpha": (0.5, "the description has no field `allpha` (did you mean `alpha`?)"),
         "mode": ("dry", '`mode` is "dry"; must be water, enhance, water+enhance'),
         "slop_s": (-0.5, "`slop_s` is -0.5; must be 0 to 10"),
-        "qos": ("reliable", "`qos` cannot change while the node runs"),
+        "qos": ("sensor_data", "`qos` cannot change while the node runs"),
         "count": (3, "`count` changes no picture of a topic"),
     }
     for name, (value, expected) in refused.items():

@@ -10,10 +10,10 @@ from harness import Node, Subscriber, wait_until
 
 
 def test_a_killed_node_continues_after_a_restart(camera: Camera, start: Start, shots: list[Any]) -> None:
-    killed, subscriber = start(Node, "live"), start(Subscriber, "/fathom/image")
+    killed, subscriber = start(Node, "live", qos="reliable"), start(Subscriber, "/fathom/image", "reliable")
     wait_until(lambda: play(camera, shots, 1, 10) and subscriber.list_arrivals(), "the first picture arrives")
     assert killed.stop(signal.SIGKILL) == -signal.SIGKILL
-    restarted = start(Node, "live")
+    restarted = start(Node, "live", qos="reliable")
     before = len(subscriber.list_arrivals())
     wait_until(
         lambda: play(camera, shots, 1, 10) and len(subscriber.list_arrivals()) > before + 2, "pictures arrive again", 30
