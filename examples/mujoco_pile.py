@@ -1,6 +1,6 @@
 """Inspects a pile in MuJoCo and puts the pictures into water: a contact sheet of air, distances and water.
 
-Needs `pip install fathom-datasets mujoco pillow` and OSMesa (`apt-get install libosmesa6`), which renders on the CPU. With
+Needs the package `fathom`, mujoco, pillow and OSMesa (`apt-get install libosmesa6`), which renders on the CPU. With
 a GPU, set MUJOCO_GL=egl.
 
     python examples/mujoco_pile.py --out pile.webp

@@ -1,6 +1,6 @@
 """Inspects a pile in PyBullet and puts the pictures into water: a contact sheet of air, distances, water and enhancement.
 
-Needs `pip install fathom-datasets pybullet pillow`. Renders on the CPU, without a window:
+Needs the package `fathom`, pybullet and pillow. Renders on the CPU, without a window:
 
     python examples/pybullet_pile.py --out pile.webp
 """

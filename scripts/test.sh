@@ -7,4 +7,5 @@ cargo build --release --locked --workspace
 cargo test --release --locked --workspace "$@"
 scripts/test-cluster.sh --short
 scripts/test-python.sh
+FATHOM_WHEEL=$(realpath "${CARGO_TARGET_DIR:-target}"/wheels/*.whl) scripts/test-ros.sh --short
 exec scripts/test-docs.sh

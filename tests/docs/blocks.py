@@ -9,7 +9,10 @@ PYTHONS = {"python", "py"}
 # Kinds of scenes that a job can have without uploads.
 LOCAL_SCENES = {"procedural", "files"}
 # Requirements that the test does not have; a block that is marked with another word is an error.
-NEEDS = {"account", "bucket", "broker", "build", "colmap", "docker", "gpu", "kubernetes", "nerfstudio", "slurm", "ultralytics"}
+NEEDS = {
+    "account", "broker", "bucket", "build", "colmap", "docker", "gpu", "kubernetes", "mujoco", "nerfstudio",
+    "pybullet", "ros", "slurm", "ultralytics",
+}
 
 FENCE = re.compile(r"^(?P<indent>[ \t]*)(?P<fence>`{3,}|~{3,})[ \t]*(?P<language>[\w+-]*)")
 MARK = re.compile(r"^[ \t]*<!--\s*needs:\s*(?P<needs>.*?)\s*-->\s*$")

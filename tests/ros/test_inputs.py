@@ -58,7 +58,7 @@ def test_a_depth_of_another_size_is_refused(
     stamp = time.time_ns()
     camera.publish_depth(np.ascontiguousarray(shots[0].z_depth[:-1]), stamp)
     camera.publish_image(shots[0].rgb, stamp)
-    level, message, _ = diagnostics.wait_for("`z_depth` is 160×119 but `rgb` is 160×120")
+    level, _, _ = diagnostics.wait_for("`z_depth` is 160×119 but `rgb` is 160×120")
     assert level == ERROR
     expect_recovery(camera, subscriber, shots)
 

@@ -4,6 +4,7 @@ import importlib.metadata
 from typing import Any
 
 import numpy as np
+import pytest
 from camera_driver import Camera, play
 from harness import Diagnostics, Node, Subscriber, wait_until
 
@@ -22,6 +23,8 @@ def test_every_picture_of_a_drive_arrives_in_time(
     latencies = [arrival.latency_ms for arrival in received]
     print(f"{len(received)} of {COUNT}, median {np.median(latencies):.1f} ms, largest {max(latencies):.1f} ms")
     assert len(received) == COUNT
+    elapsed_s = (received[-1].received_ns - received[0].received_ns) / 1e9
+    assert (COUNT - 1) / elapsed_s == pytest.approx(HZ, rel=0.1)
     assert {(arrival.width, arrival.height, arrival.encoding) for arrival in received} == {(160, 120, "rgb8")}
     # Other processes of the machine may interrupt a frame; a queue that grows would exceed this soon.
     assert np.median(latencies) < 100
