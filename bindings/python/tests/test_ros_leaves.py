@@ -52,6 +52,9 @@ def test_leaves_build_the_job_again_in_any_order() -> None:
         ({"alpha.uniform": [0.0, 1.0]}, ["alpha"], {"uniform": [0.0, 1.0]}),
         ({"lights": "[]"}, ["lights"], []),
         ({"lights.0": '{"kind": "haze", "x": 1}'}, ["lights", 0], {"kind": "haze", "x": 1}),
+        ({"lights.0": "{'kind': 'spot', 'fog': None, 'on': True}"}, ["lights", 0, "on"], True),
+        ({"water.range_scale.uniform": "[1, 2.5]"}, ["water", "range_scale", "uniform"], [1, 2.5]),
+        ({"lights": []}, ["lights"], []),
         ({"lights.choice.0": "[]"}, ["lights"], {"choice": [[]]}),
         ({"alpha.0.x": 1}, ["alpha"], [{"x": 1}]),
         ({"water.range_scale.0": 1}, ["water", "range_scale"], [1]),
@@ -77,6 +80,7 @@ def test_a_change_replaces_everything_at_its_path(changes: dict[str, Any], path:
         ({"lights.3.x": 1}, "`lights.3.x` does not exist: `lights` has 2 elements; the next index is 2"),
         ({"lights.first.x": 1}, "`lights.first.x` does not exist: `lights` has 2 elements"),
         ({"lights..x": 1}, "`lights..x` has an empty part"),
+        ({"lights": "{1, 2}"}, r"`lights` is '\{1, 2\}', which is no JSON"),
         ({"lights": "[{]"}, r"`lights` is '\[\{\]', which is no JSON"),
     ],
 )

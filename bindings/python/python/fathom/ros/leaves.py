@@ -6,6 +6,7 @@ booleans are one leaf. Empty lists and objects, which ROS cannot type, are leave
 
 from __future__ import annotations
 
+import ast
 import copy
 import json
 from collections.abc import Mapping
@@ -79,12 +80,17 @@ def _order_naturally(name: str) -> list[tuple[int, int, str]]:
 
 
 def _read_value(name: str, value: Any) -> Any:
-    if isinstance(value, str) and value.lstrip()[:1] in ("[", "{"):
-        try:
-            return json.loads(value)
-        except ValueError as error:
-            raise InvalidArgument(f"`{name}` is {value!r}, which is no JSON: {error}") from None
-    return value
+    if not isinstance(value, str) or value.lstrip()[:1] not in ("[", "{"):
+        return value
+    try:
+        return json.loads(value)
+    except ValueError as error:
+        problem = error
+    try:
+        # `ros2 param set` turns an object into the text of a dictionary of Python.
+        return json.loads(json.dumps(ast.literal_eval(value)))
+    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
+        raise InvalidArgument(f"`{name}` is {value!r}, which is no JSON: {problem}") from None
 
 
 def _apply(root: dict[str, Any], name: str, value: Any) -> None:
