@@ -18,6 +18,7 @@ pub(crate) mod formats;
 mod input;
 mod object_filter;
 mod output;
+mod role;
 
 use cli::exit::Failure;
 use cli::progress::Progress;

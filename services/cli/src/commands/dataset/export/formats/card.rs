@@ -7,8 +7,8 @@ use spec::{ArtifactKind, Encode};
 
 use crate::commands::dataset::export::format::{Format, RECORD};
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
-use crate::commands::dataset::export::formats::sequences::layout::Z_DEPTH;
 use crate::commands::dataset::export::input::origins::Origin;
+use crate::commands::dataset::export::role::Z_DEPTH;
 
 /// The content of a card.
 pub(crate) struct Card<'a> {

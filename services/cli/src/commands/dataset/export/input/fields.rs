@@ -7,9 +7,9 @@ use serde_json::{Map, Value, json};
 use spec::{ArtifactKind, LabelType, Leaves, METRIC_NETWORK};
 
 use crate::commands::dataset::export::format::{Format, RECORD};
-use crate::commands::dataset::export::formats::sequences::layout::{Z_DEPTH, depth_unit};
 use crate::commands::dataset::export::input::selection::Selection;
 use crate::commands::dataset::export::input::times::{SEQUENCE, STAMP};
+use crate::commands::dataset::export::role::{Z_DEPTH, depth_unit};
 
 /// Columns of every row that are not scalars of its record.
 const OWN: [(&str, &str); 9] = [

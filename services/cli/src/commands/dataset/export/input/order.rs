@@ -175,6 +175,13 @@ impl Order<'_> {
     }
 }
 
+/// A digest over the columns of frames and the kinds of their files.
+pub(crate) fn digest_rows(values: &[Map<String, Value>], kinds: &[String]) -> String {
+    let rows = values.iter().map(|row| Value::Object(row.clone()).to_string());
+    let text: Vec<String> = std::iter::once(kinds.join(",")).chain(rows).collect();
+    spec::sha256(text.join("\n").as_bytes())
+}
+
 /// The intact file of an earlier export.
 fn kept(folder: &Path, home: &Home, wanted: &Wanted<'_>) -> Result<Option<Kept>, Failure> {
     for (_, extension) in EXTENSIONS {

@@ -6,10 +6,10 @@ use client::{Client, ColumnInfo, StatisticsQuery};
 
 use crate::commands::dataset::export::arguments::Arguments;
 use crate::commands::dataset::export::format::{Format, RECORD};
-use crate::commands::dataset::export::formats::sequences::role::{RIGHT, check_kinds};
 use crate::commands::dataset::export::input::one_camera::{check_sequences, require_lens};
 use crate::commands::dataset::export::input::posed::PosedScenes;
 use crate::commands::dataset::export::input::times::{SEQUENCE, STAMP};
+use crate::commands::dataset::export::role::{RIGHT, check_kinds};
 
 /// The images and columns of an export.
 pub(crate) struct Selection {

@@ -2,5 +2,6 @@
 
 pub(crate) mod documents;
 pub(crate) mod part;
+pub(crate) mod recordings;
 pub(crate) mod shards;
 pub(crate) mod work;

@@ -15,7 +15,6 @@ use crate::commands::dataset::export::formats::coco::{Coco, Picture};
 use crate::commands::dataset::export::formats::croissant::RowFile;
 use crate::commands::dataset::export::formats::objects::{Object, objects};
 use crate::commands::dataset::export::formats::poses::Poses;
-use crate::commands::dataset::export::formats::recordings::gather::Recordings;
 use crate::commands::dataset::export::formats::sequences::body::Sequences;
 use crate::commands::dataset::export::formats::sequences::layout::SequencePlace;
 use crate::commands::dataset::export::formats::sequences::timed_frame::TimedFrame;
@@ -26,6 +25,7 @@ use crate::commands::dataset::export::input::frame::{Frame, Home, Place};
 use crate::commands::dataset::export::input::selection::Selection;
 use crate::commands::dataset::export::input::sequences::Spot;
 use crate::commands::dataset::export::object_filter::ObjectFilter;
+use crate::commands::dataset::export::output::recordings::Recordings;
 use crate::commands::dataset::export::output::shards::Shards;
 
 /// A part that is being filled.

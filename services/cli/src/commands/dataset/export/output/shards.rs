@@ -20,7 +20,7 @@ use crate::commands::dataset::export::formats::recordings::mcap;
 use crate::commands::dataset::export::formats::{parquet, webdataset};
 use crate::commands::dataset::export::input::frame::Place;
 use crate::commands::dataset::export::input::member::Member;
-use crate::commands::dataset::export::input::order::Order;
+use crate::commands::dataset::export::input::order::{Order, digest_rows};
 
 /// Frames that are fetched concurrently and kept in memory.
 const FETCHED_FRAMES: usize = 32;
@@ -110,7 +110,7 @@ pub(crate) fn write_shard(
     let values: Vec<Map<String, Value>> = values.collect();
     let path = folder.join(name);
     let note_path = path.with_file_name(format!(".{name}.done"));
-    let made_of = made_of(&values, writer.order.kinds);
+    let made_of = digest_rows(&values, writer.order.kinds);
     // A note of another version is as good as none: the shard is written again.
     let found: Option<Note> = read(&note_path)?.and_then(|note| serde_json::from_slice(&note).ok());
     let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
@@ -182,11 +182,4 @@ impl Writer<'_> {
             _ => webdataset::write(name, file, self.order.kinds, &mut pull),
         }
     }
-}
-
-/// A digest over the columns of frames and the kinds of their files.
-pub(crate) fn made_of(values: &[Map<String, Value>], kinds: &[String]) -> String {
-    let rows = values.iter().map(|row| Value::Object(row.clone()).to_string());
-    let text: Vec<String> = std::iter::once(kinds.join(",")).chain(rows).collect();
-    spec::sha256(text.join("\n").as_bytes())
 }

@@ -15,12 +15,12 @@ use crate::commands::dataset::export::formats::recordings::messages::{
 };
 use crate::commands::dataset::export::formats::recordings::topics::Topics;
 use crate::commands::dataset::export::formats::sequences::depth::read_z_depth;
-use crate::commands::dataset::export::formats::sequences::role::Role;
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::input::archive::Unpacked;
 use crate::commands::dataset::export::input::frame::untrusted;
 use crate::commands::dataset::export::input::member::{Member, Pull};
 use crate::commands::dataset::export::input::times::STAMP;
+use crate::commands::dataset::export::role::Role;
 
 /// Coordinate frames of the cameras: right, down, ahead.
 const CAMERA: &str = "camera_optical_frame";

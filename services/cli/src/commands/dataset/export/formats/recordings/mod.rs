@@ -2,7 +2,6 @@
 
 mod cdr;
 mod container;
-pub(crate) mod gather;
 pub(crate) mod mcap;
 mod messages;
 mod schemas;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::commands::dataset::export::formats::recordings::container::Container;
 use crate::commands::dataset::export::formats::recordings::schemas::MessageType;
-use crate::commands::dataset::export::formats::sequences::role::Role;
+use crate::commands::dataset::export::role::Role;
 
 /// Numbers of the channels of a file.
 pub(super) struct Topics {

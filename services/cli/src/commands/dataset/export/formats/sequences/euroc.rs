@@ -6,11 +6,11 @@ use spec::{Distortion, Intrinsics};
 
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::quaternion::quaternion;
-use crate::commands::dataset::export::formats::sequences::body::{Sequence, TextFile};
 use crate::commands::dataset::export::formats::sequences::layout::{depth_codes_per_m, format_real};
 use crate::commands::dataset::export::formats::sequences::orb_slam::{SETTINGS, settings};
-use crate::commands::dataset::export::formats::sequences::role::{RIGHT, Role};
+use crate::commands::dataset::export::formats::sequences::sequence::{Sequence, TextFile};
 use crate::commands::dataset::export::formats::view::View;
+use crate::commands::dataset::export::role::{RIGHT, Role};
 
 const MAV: &str = "mav0";
 const POSES: &str = "state_groundtruth_estimate0";

@@ -3,9 +3,9 @@
 use spec::Intrinsics;
 
 use crate::commands::dataset::export::format::Format;
-use crate::commands::dataset::export::formats::sequences::body::{Sequence, TextFile};
 use crate::commands::dataset::export::formats::sequences::layout::{depth_codes_per_m, format_seconds};
 use crate::commands::dataset::export::formats::sequences::orb_slam::{SETTINGS, settings};
+use crate::commands::dataset::export::formats::sequences::sequence::{Sequence, TextFile};
 use crate::commands::dataset::export::formats::view::View;
 
 /// `calib.txt`, `times.txt` and settings for ORB-SLAM next to the pictures.

@@ -1,7 +1,7 @@
 //! Folders and names of the files of a frame.
 
 use crate::commands::dataset::export::format::Format;
-use crate::commands::dataset::export::formats::sequences::role::Role;
+use crate::commands::dataset::export::role::Role;
 
 /// The place of a frame in the sequences of a part.
 #[derive(Debug, Clone)]
@@ -67,19 +67,6 @@ pub(crate) fn kind_folder(format: Format, kind: &str, is_first: bool) -> Vec<Str
             Role::Depth => "depth".to_owned(),
             _ => kind.to_owned(),
         }],
-    }
-}
-
-/// The name of the distances along the optical axis, which take the place of the range.
-pub(crate) const Z_DEPTH: &str = "z_depth";
-
-/// Unit of the distances of a format.
-pub(crate) fn depth_unit(format: Format) -> &'static str {
-    match format {
-        Format::Mcap => "m",
-        Format::Euroc => "mm",
-        Format::Kitti => "1/256 m",
-        _ => "1/5000 m",
     }
 }
 

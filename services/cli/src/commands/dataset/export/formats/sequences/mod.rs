@@ -6,6 +6,6 @@ mod euroc;
 mod kitti;
 pub(crate) mod layout;
 mod orb_slam;
-pub(crate) mod role;
+mod sequence;
 pub(crate) mod timed_frame;
 mod tum;

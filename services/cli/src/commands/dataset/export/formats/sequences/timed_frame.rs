@@ -16,12 +16,12 @@ use crate::commands::dataset::export::formats::sequences::depth::{DepthPicture, 
 use crate::commands::dataset::export::formats::sequences::layout::{
     SequencePlace, depth_codes_per_m, kind_folder, needs_png, sequence_folder, stem,
 };
-use crate::commands::dataset::export::formats::sequences::role::Role;
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::input::archive::Unpacked;
 use crate::commands::dataset::export::input::frame::{Frame, ListedFile, Place, untrusted};
 use crate::commands::dataset::export::input::order::Order;
-use crate::commands::dataset::export::output::shards::made_of;
+use crate::commands::dataset::export::input::order::digest_rows;
+use crate::commands::dataset::export::role::Role;
 
 /// A frame of a sequence.
 pub(crate) struct TimedFrame {
@@ -66,7 +66,7 @@ impl FrameOrder<'_> {
     pub(crate) fn complete(&self) -> Result<(Frame, TimedFrame), Failure> {
         let values = self.order.values(self.row);
         let stem = stem(self.format, self.spot);
-        let made_of = made_of(std::slice::from_ref(&values), self.order.kinds);
+        let made_of = digest_rows(std::slice::from_ref(&values), self.order.kinds);
         let made_of = sha256(format!("{made_of} {} {stem}", self.format.name()));
         let above = sequence_folder(self.format, &self.spot.sequence, self.spot.number);
         let note_path = self.folder(&above, &[])?.join(format!(".{stem}.done"));

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::quaternion::quaternion;
-use crate::commands::dataset::export::formats::sequences::body::{Sequence, TextFile};
 use crate::commands::dataset::export::formats::sequences::layout::{depth_codes_per_m, format_seconds};
 use crate::commands::dataset::export::formats::sequences::orb_slam::{SETTINGS, settings};
+use crate::commands::dataset::export::formats::sequences::sequence::{Sequence, TextFile};
 
 /// The lists of a sequence: one for each folder of files, associations of pictures and depth, poses, and a camera.
 pub(super) fn texts(sequence: &Sequence) -> Vec<TextFile> {

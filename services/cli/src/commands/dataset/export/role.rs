@@ -8,6 +8,19 @@ use crate::commands::dataset::export::format::{Format, RECORD};
 /// The kind of the right pictures of stereo pairs.
 pub(crate) const RIGHT: &str = "rgb_right";
 
+/// The name of the distances along the optical axis, which take the place of the range.
+pub(crate) const Z_DEPTH: &str = "z_depth";
+
+/// Unit of the distances of a format with times.
+pub(crate) fn depth_unit(format: Format) -> &'static str {
+    match format {
+        Format::Mcap => "m",
+        Format::Euroc => "mm",
+        Format::Kitti => "1/256 m",
+        _ => "1/5000 m",
+    }
+}
+
 /// The content of a file of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
