@@ -8,10 +8,10 @@ tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
 # Titles of commits after this one have at most 72 characters.
 titles_since=242d1e6
 
-# Installs a tool of cargo unless this version is there.
+# Installs a tool of cargo unless this version is there. Not optimized: it runs for a second and would be compiled for minutes.
 tool() {
     if ! grep -qsF "\"$1 $2 " "$tools/.crates2.json"; then
-        cargo install "$1" --version "$2" --locked --quiet --root "$tools"
+        CARGO_PROFILE_RELEASE_OPT_LEVEL=0 CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 cargo install "$1" --version "$2" --locked --quiet --root "$tools"
     fi
 }
 

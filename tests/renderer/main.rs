@@ -14,7 +14,7 @@ mod light;
 mod networks;
 mod noise;
 #[expect(dead_code, reason = "the tests of the style crate use more of it")]
-#[path = "../../../style/tests/suite/onnx.rs"]
+#[path = "../../workers/style/tests/suite/onnx.rs"]
 mod onnx;
 mod promise;
 mod sequences;

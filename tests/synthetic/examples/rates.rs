@@ -1,4 +1,4 @@
-//! How fast a catalogue of many images is: `cargo run --release -p fathom-catalogue --example rates -- 1000000 [FOLDER]`.
+//! How fast a catalogue of many images is: `cargo run --release --workspace --example rates -- 1000000 [FOLDER]`.
 //!
 //! Prints commits per second for each tenth of the images, the time of pages and of counts, the bytes on the disk, and the
 //! time of the deletion of it all. A folder that is named is kept and taken up again, and nothing of it is deleted.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use catalogue::{Catalogue, CatalogueError, ImageQuery, InsertJob};
 
-#[path = "../../../../tests/src/small_disk.rs"]
+#[path = "../src/small_disk.rs"]
 mod small_disk;
 
 const DISK: &str = "size=40m";

@@ -1,6 +1,6 @@
 //! Every shipped example and site meets its tolerance.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
@@ -21,7 +21,7 @@ struct Shipped {
 }
 
 fn examples() -> Vec<Shipped> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let folder = fathom_tests::root().join("examples");
     let entries = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path());

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use spec::{FieldError, Invalid, Job};
 use style::Library;
 
-use crate::common::file;
+use crate::common::{file, installed_runtime};
 use crate::onnx::{Attribute, Chain};
 
 /// The shipped styles, `invert` and `small` as enhancers, `mean` as a metric.
@@ -56,9 +56,7 @@ const MEAN: Chain<'_> = Chain {
 };
 
 fn engine() -> Arc<Engine> {
-    let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
-    let installed = installed.is_file().then_some(installed);
-    Arc::new(Engine::new(library(), installed.as_deref()))
+    Arc::new(Engine::new(library(), installed_runtime().as_deref()))
 }
 
 fn description(fields: &Value) -> Value {

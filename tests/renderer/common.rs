@@ -1,8 +1,9 @@
 //! A small scene in files, and jobs that use it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use fathom_tests::root;
 use imaging::codec::{encode_npy_plane, encode_png};
 use imaging::{Plane, Raster, Rgb8};
 use renderer::{Engine, RenderError, Rendered, SceneSource, Slot};
@@ -120,11 +121,15 @@ pub(crate) fn library() -> Library {
     shipped.with_dir(folder.path()).unwrap()
 }
 
+/// ONNX Runtime, if scripts/get-onnxruntime.sh has installed it.
+pub(crate) fn installed_runtime() -> Option<PathBuf> {
+    let installed = root().join(".onnxruntime/libonnxruntime.so");
+    installed.is_file().then_some(installed)
+}
+
 /// An engine with these styles and the runtime installed by scripts/get-onnxruntime.sh.
 pub(crate) fn engine() -> Arc<Engine> {
-    let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
-    let installed = installed.is_file().then_some(installed);
-    Arc::new(Engine::new(library(), installed.as_deref()))
+    Arc::new(Engine::new(library(), installed_runtime().as_deref()))
 }
 
 /// An engine whose runtime cannot be loaded.

@@ -1,6 +1,5 @@
 //! A network with an input for noise gets standard normal samples of the job's seed and the frame.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use imaging::codec::decode_picture;
@@ -9,7 +8,7 @@ use serde_json::json;
 use spec::Job;
 use style::Library;
 
-use crate::common::{Files, HEIGHT, WIDTH, file};
+use crate::common::{Files, HEIGHT, WIDTH, file, installed_runtime};
 use crate::onnx::{FLOAT, Graph};
 
 /// Share of the picture in the output of the network; the rest is noise.
@@ -36,8 +35,7 @@ fn library() -> Library {
 
 /// A new engine, as another worker has.
 fn engine() -> Arc<Engine> {
-    let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
-    Arc::new(Engine::new(library(), installed.is_file().then_some(&installed)))
+    Arc::new(Engine::new(library(), installed_runtime().as_deref()))
 }
 
 fn job(files: &Files, style: &str, seed: u64) -> Job {
