@@ -28,9 +28,7 @@ class Process:
 
     def __init__(self, command: list[str], environment: dict[str, str] | None = None) -> None:
         self._output = tempfile.NamedTemporaryFile("w+", suffix=".log")
-        self.process = subprocess.Popen(
-            command, stdout=self._output, stderr=subprocess.STDOUT, env=environment
-        )
+        self.process = subprocess.Popen(command, stdout=self._output, stderr=subprocess.STDOUT, env=environment)
 
     def read(self) -> str:
         """Return the output so far."""
@@ -56,11 +54,15 @@ class Node(Process):
             command += ["-p", f"{name.replace('__', '.')}:={json.dumps(value)}"]
         super().__init__(command)
 
-    def measure(self) -> tuple[float, float]:
-        """Return CPU seconds so far, and resident memory in MB."""
-        process = psutil.Process(self.process.pid)
-        times = process.cpu_times()
-        return times.user + times.system, process.memory_info().rss / 1e6
+    def measure_cpu(self) -> float:
+        """Return the CPU seconds so far."""
+        times = psutil.Process(self.process.pid).cpu_times()
+        return times.user + times.system
+
+    def measure_memory(self) -> float:
+        """Return the memory of the process in MB, without that shared with other processes."""
+        info = psutil.Process(self.process.pid).memory_info()
+        return (info.rss - info.shared) / 1e6
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,9 @@ class ParameterClient:
 
     def set(self, **values: Any) -> list[tuple[bool, str]]:
         """Set parameters one after another; returns success and reason of each."""
-        return [(result.successful, result.reason) for result in self._call(self._client.set_parameters, values).results]
+        return [
+            (result.successful, result.reason) for result in self._call(self._client.set_parameters, values).results
+        ]
 
     def set_together(self, **values: Any) -> tuple[bool, str]:
         """Set parameters in one step."""

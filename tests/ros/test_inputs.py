@@ -15,7 +15,9 @@ Shots = list[Any]
 def expect_recovery(camera: Camera, subscriber: Subscriber, shots: Shots) -> None:
     """Check that the next good pictures arrive."""
     stamps = play(camera, shots, 3, 10)
-    wait_until(lambda: stamps[-1] in [arrival.stamp_ns for arrival in subscriber.list_arrivals()], "a good picture arrives")
+    wait_until(
+        lambda: stamps[-1] in [arrival.stamp_ns for arrival in subscriber.list_arrivals()], "a good picture arrives"
+    )
 
 
 def test_a_late_depth_still_pairs(camera: Camera, subscriber: Subscriber, shots: Shots) -> None:
@@ -119,7 +121,11 @@ def test_big_endian_millimeters_equal_their_native_order(camera: Camera, subscri
     [
         ((320, 240), {}, "/camera/camera_info: describes pictures of 320×240, but they are 160×120"),
         ((160, 120), {"k": [0.0] * 9}, "`k` has the focal lengths 0 and 0 px; must be above 0"),
-        ((160, 120), {"k": [100.0, 0, 300, 0, 100, 60, 0, 0, 1]}, "`camera` has cx 300, outside of the picture of 160×120"),
+        (
+            (160, 120),
+            {"k": [100.0, 0, 300, 0, 100, 60, 0, 0, 1]},
+            "`camera` has cx 300, outside of the picture of 160×120",
+        ),
     ],
 )
 def test_a_camera_that_contradicts_the_picture_is_refused(

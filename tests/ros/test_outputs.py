@@ -25,7 +25,10 @@ def test_all_results_are_published_with_the_header_of_the_picture(
     }
     for name, kind in topics.items():
         camera.node.create_subscription(
-            kind, f"/fathom/{name}", lambda message, name=name: received.setdefault(name, message), qos_profile_sensor_data
+            kind,
+            f"/fathom/{name}",
+            lambda message, name=name: received.setdefault(name, message),
+            qos_profile_sensor_data,
         )
     wait_until(lambda: all(camera.node.count_publishers(f"/fathom/{name}") for name in topics), "the topics are there")
     stamps: list[int] = []
