@@ -13,6 +13,7 @@ import pytest
 rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed: recordings are not tested")
 
 from conftest import BINARY  # noqa: E402
+from fathom.bag import unpack  # noqa: E402
 from recordings import (  # noqa: E402
     DEPTH,
     IMAGE,
@@ -85,6 +86,15 @@ def test_scenes_without_poses_and_some_frames(tmp_path: Path, server: str) -> No
     assert result.returncode == 0, result.stderr
     assert "2 scenes: 2 with range" in result.stderr
     assert sorted(list_scenes(server, "sparse")) == [NAMES[0], NAMES[2]]
+
+
+def test_names_of_frames_sort_by_time(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "bag", "mcap") as recorder:
+        for number, stamp_ns in enumerate((9_900_000_000, 10_000_000_000)):
+            recorder.image(IMAGE, stamp_ns, "rgb8", make_pixels(number))
+    frames = tmp_path / "frames"
+    assert unpack.run([str(recorder.path), str(frames), "--image", IMAGE]) == 0
+    assert sorted(file.stem for file in frames.glob("*.png")) == ["0000000009.900000000", "0000000010.000000000"]
 
 
 def test_a_recording_that_is_cut_off_is_uploaded_up_to_there(tmp_path: Path, server: str) -> None:

@@ -19,7 +19,7 @@ from fathom.bag.arguments import add_camera_options, check_camera_options, open_
 from fathom.bag.errors import BagError
 from fathom.bag.frames import Frame
 from fathom.bag.recording import Recording
-from fathom.bag.report import Report, format_stamp
+from fathom.bag.report import Report
 from fathom.bag.status import end
 from fathom.messages.images import Picture
 
@@ -64,7 +64,7 @@ def _write_some(
 
 def _write_frame(frame: Frame, folder: Path) -> dict[str, Any]:
     """Write a picture with its depth and return its entry."""
-    name = format_stamp(frame.stamp_ns)
+    name = _name_frame(frame.stamp_ns)
     rgb = _order_channels(frame.picture)
     entry: dict[str, Any] = {"file_path": f"{name}.png"}
     (folder / entry["file_path"]).write_bytes(_native.encode_png(rgb))
@@ -78,6 +78,11 @@ def _write_frame(frame: Frame, folder: Path) -> dict[str, Any]:
     if frame.pose is not None:
         entry["transform_matrix"] = (frame.pose @ _OPTICAL_FROM_VIEW).tolist()
     return entry
+
+
+def _name_frame(stamp_ns: int) -> str:
+    """Return the time in seconds with as many digits for each time, so that names sort by time."""
+    return f"{stamp_ns // 1_000_000_000:010d}.{stamp_ns % 1_000_000_000:09d}"
 
 
 def _order_channels(picture: Picture) -> NDArray[np.uint8]:

@@ -260,7 +260,8 @@ class Client:
         """Export a dataset into a folder as `fathom export` does, and return the folder.
 
         `format` is one of folder, webdataset, parquet, hf, coco, yolo, colmap, transforms, mcap, tum, euroc and kitti;
-        `split` names parts with their shares, such as `{"train": 0.8, "val": 0.2}`. Repeat the call to resume. Raises `CommandError`.
+        `split` names parts with their shares, such as `{"train": 0.8, "val": 0.2}`. Repeat the call to resume.
+        Raises `CommandError`.
         """
         return exports.export(
             self.server,
