@@ -5,7 +5,14 @@ cd "$(dirname "$0")/.."
 scripts/get-onnxruntime.sh
 cargo build --release --locked --workspace
 cargo test --release --locked --workspace "$@"
-scripts/test-cluster.sh --short
+
+# Beside the tests of Python: they wait for processes and leases most of the time. Their output is printed when they have ended.
+target=${CARGO_TARGET_DIR:-$PWD/target}
+scripts/test-cluster.sh --short >"$target/test-cluster.log" 2>&1 &
+cluster=$!
+trap 'kill "$cluster" 2>/dev/null || true' EXIT
 scripts/test-python.sh
-FATHOM_WHEEL=$(realpath "${CARGO_TARGET_DIR:-target}"/wheels/*.whl) scripts/test-ros.sh --short
-exec scripts/test-docs.sh
+FATHOM_WHEEL=$(realpath "$target"/wheels/*.whl) scripts/test-ros.sh --short
+wait "$cluster" || { cat "$target/test-cluster.log"; exit 1; }
+cat "$target/test-cluster.log"
+scripts/test-docs.sh

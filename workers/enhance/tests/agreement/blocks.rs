@@ -210,7 +210,11 @@ const MATTING_AGREEMENT: f64 = 1e-6;
 
 #[test]
 fn refined_planes() {
-    for (width, height) in SIZES {
+    // The reference takes minutes for the larger ones; the unit tests of matting compare one of them.
+    for (width, height) in SIZES
+        .into_iter()
+        .filter(|(width, height)| width * height < 15_000)
+    {
         for (content, picture) in pictures(width, height) {
             let guide = Guide::new(&picture);
             let [fast, reference] = [Fast, Reference].map(|variant| Matting::new(&guide, variant));
