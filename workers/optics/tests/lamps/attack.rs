@@ -12,9 +12,9 @@ use spec::Turbidity;
 use crate::errors::{peak, worst};
 
 const SIZE: (usize, usize) = (37, 9);
-const FRAMES: u64 = 400;
+const FRAMES: u64 = 140;
 /// For multiple scattering, whose reference is slow.
-const MULTIPLE_FRAMES: u64 = 120;
+const MULTIPLE_FRAMES: u64 = 40;
 
 /// Frames of several blocks of pixels, and how much of them is compared.
 const WIDE: (usize, usize) = (101, 59);

@@ -7,8 +7,8 @@ use optics::visible_bounds::{TILE_PX, VisibleBounds};
 use crate::attack::{Case, case, exact};
 use crate::errors::worst;
 
-const FRAMES: u64 = 300;
-const MULTIPLE_FRAMES: u64 = 80;
+const FRAMES: u64 = 100;
+const MULTIPLE_FRAMES: u64 = 30;
 
 /// Shares of their bounds that the largest error and the largest light of a frame have.
 #[derive(Clone, Copy)]
