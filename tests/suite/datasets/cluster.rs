@@ -95,7 +95,8 @@ fn a_killed_child_costs_only_time() {
     let work = Work::new(&job(200));
     let expected = digest_by_render(&job(200), work.folder(), "2");
     let run = work.start(&["--frames-per-shard", "100"], &[]);
-    let killed = (0..3).filter(|_| {
+    // A third kill may be the third in a row before a child begins, or the third try of a frame alone; both end the run.
+    let killed = (0..2).filter(|_| {
         std::thread::sleep(Duration::from_millis(150));
         kill_children(run.id())
     });

@@ -94,26 +94,18 @@ impl Rays for WorldRays<'_> {
             eye: self.pose.position_m.as_f32(),
             axes: [self.pose.right, self.pose.down, self.pose.ahead].map(DVec3::as_f32),
         };
-        let mut run = ShadowPacket {
-            from: [[0.0; RUN]; 3],
-            way: [[0.0; RUN]; 3],
-            occluded: [0.0; RUN],
-        };
+        let mut run = ShadowPacket::blank();
         let mut ends = [[0.0; RUN]; 3];
         for (at, clear) in clear.chunks_mut(RUN).enumerate() {
             vectorized!(begin(frame, rays, at * RUN, &mut run, &mut ends));
             if !self.site.pits.is_empty() {
                 self.sink(&mut run, &ends);
             }
-            let packet = RayPacket {
+            let hull = RayPacket {
                 from: vectorized!(Bounds::from_points(&run.from)),
                 to: vectorized!(Bounds::from_points(&ends)),
             };
-            self.tree.search(&packet, |number| {
-                self.site.solids[usize::from(number)].occlude(&mut run);
-                let is_done = run.occluded.iter().all(|&occluded| occluded != 0.0);
-                if is_done { -1.0 } else { 1.0 }
-            });
+            vectorized!(self.tree.occlude(&self.site.solids, &hull, &mut run));
             for (clear, occluded) in clear.iter_mut().zip(&run.occluded) {
                 *clear = *occluded == 0.0;
             }
@@ -238,4 +230,5 @@ fn begin(
         let met = (begin.z > 0.0) & (end.z < 0.0) & (away.dot(away) < FAR_M * FAR_M);
         run.occluded[i] = if met { 1.0 } else { 0.0 };
     }
+    run.invert_ways();
 }

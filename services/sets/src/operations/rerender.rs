@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use spec::{Agreement, FrameRecord, compare_records, describe_differences, sha256};
 
 use crate::error::SetError;
-use crate::processes::crew::{Crew, Finished};
+use crate::processes::crew::Crew;
+use crate::processes::open::Finished;
 use crate::rows::reading::ShardImage;
 use crate::set::opened::Set;
 

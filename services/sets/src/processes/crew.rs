@@ -3,12 +3,12 @@
 //! One child renders on all slots. When it dies or exceeds a limit, the frames that it was rendering are tried one by one,
 //! each alone in a new child; one that fails three times alone has failed, with the last reason.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use crate::error::SetError;
 use crate::processes::child::{Child, News, Recipe};
-use crate::processes::message::{Message, ParcelFile};
+use crate::processes::message::Message;
+use crate::processes::open::{Finished, Open};
 
 /// How often a frame is tried alone.
 const TRIES_ALONE: u32 = 3;
@@ -16,24 +16,6 @@ const TRIES_ALONE: u32 = 3;
 const MOST_DEATHS_AT_START: u32 = 3;
 /// Frames queued for each slot of a child, so that no slot waits for the supervisor.
 const QUEUED_PER_SLOT: usize = 1;
-/// Frames that may be finished before an older one is, for each slot.
-const AHEAD_PER_SLOT: u64 = 4;
-/// Memory for finished frames that wait for an earlier one; beyond it no frame is started.
-const MOST_WAITING_BYTES: usize = 128 << 20;
-
-/// A finished frame.
-#[derive(Debug, PartialEq)]
-pub(crate) enum Finished {
-    /// It has an image.
-    Image {
-        /// Its record, as JSON.
-        record: Vec<u8>,
-        /// Its files.
-        files: Vec<ParcelFile>,
-    },
-    /// It has none, for this reason.
-    Failed(String),
-}
 
 /// The processes that render a job.
 pub struct Crew {
@@ -127,26 +109,48 @@ impl Crew {
         check: &dyn Fn() -> Result<(), SetError>,
     ) -> Result<Finished, SetError> {
         let mut reason = reason.to_owned();
-        for _ in 0..TRIES_ALONE {
-            let mut child = Child::start(&self.recipe, 1, &self.job)?;
-            child.give(frame);
-            reason = loop {
-                check()?;
-                match child.next() {
-                    News::Quiet | News::Message(Message::Begun { .. }) => {}
-                    News::Message(Message::Failed {
-                        error,
-                        retryable: true,
-                        ..
-                    }) => break error,
-                    News::Message(message) => return Ok(Finished::from(message)),
-                    News::Gone(reason) if child.split().0.is_empty() => return Err(never_began(&reason)),
-                    News::Gone(reason) => break reason,
+        let mut tries = 0;
+        let mut deaths_at_start = 0;
+        while tries < TRIES_ALONE {
+            match self.try_alone(frame, check)? {
+                Try::Finished(finished) => return Ok(finished),
+                Try::Died(why) => (tries, deaths_at_start, reason) = (tries + 1, 0, why),
+                Try::NeverBegan(why) => {
+                    deaths_at_start += 1;
+                    if deaths_at_start == MOST_DEATHS_AT_START {
+                        return Err(never_began(&why));
+                    }
                 }
-            };
+            }
         }
         Ok(Finished::Failed(format!("{reason}; {TRIES_ALONE} times alone")))
     }
+
+    fn try_alone(&self, frame: u64, check: &dyn Fn() -> Result<(), SetError>) -> Result<Try, SetError> {
+        let mut child = Child::start(&self.recipe, 1, &self.job)?;
+        child.give(frame);
+        loop {
+            check()?;
+            match child.next() {
+                News::Quiet | News::Message(Message::Begun { .. }) => {}
+                News::Message(Message::Failed {
+                    error,
+                    retryable: true,
+                    ..
+                }) => return Ok(Try::Died(error)),
+                News::Message(message) => return Ok(Try::Finished(Finished::from(message))),
+                News::Gone(reason) if child.split().0.is_empty() => return Ok(Try::NeverBegan(reason)),
+                News::Gone(reason) => return Ok(Try::Died(reason)),
+            }
+        }
+    }
+}
+
+/// The end of a child that had one frame.
+enum Try {
+    Finished(Finished),
+    Died(String),
+    NeverBegan(String),
 }
 
 /// No frame is at fault: the next shard would end the same way.
@@ -154,86 +158,60 @@ fn never_began(reason: &str) -> SetError {
     SetError::Machine(format!("a process that was to render began no frame: {reason}"))
 }
 
-impl From<Message> for Finished {
-    fn from(message: Message) -> Self {
-        match message {
-            Message::Image { record, files, .. } => Self::Image { record, files },
-            Message::Failed { error, .. } => Self::Failed(error),
-            Message::Begun { .. } => Self::Failed("it was begun and not finished".to_owned()),
-        }
-    }
-}
+#[cfg(test)]
+mod tests {
+    use std::ffi::OsString;
+    use std::path::Path;
+    use std::time::Duration;
 
-/// The frames of a shard that have not been passed on.
-struct Open {
-    /// Not assigned to a child.
-    waiting: BTreeSet<u64>,
-    /// Finished before an older one.
-    early: BTreeMap<u64, Finished>,
-    early_bytes: usize,
-    next: u64,
-    end: u64,
-    ahead: u64,
-}
+    use super::*;
+    use crate::processes::child::Recipe;
 
-impl Open {
-    fn new(frames: Range<u64>, slots: usize) -> Self {
-        Self {
-            next: frames.start,
-            end: frames.end,
-            waiting: frames.collect(),
-            early: BTreeMap::new(),
-            early_bytes: 0,
-            ahead: AHEAD_PER_SLOT * slots as u64,
-        }
+    /// Failure: children killed before they begin a frame end the run or count as tries of the frame, or a program that
+    /// never begins is started forever.
+    #[test]
+    fn a_child_that_dies_at_its_start_costs_no_frame() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        // The second to the fourth child render alone; two of them die at their start.
+        let ends = crew(
+            folder.path(),
+            r#"1) begin ;; 2 | 3) ;; 4) begin ;; 5) begin; echo '{"is":"failed","frame":0,"error":"told","retryable":false}'; cat ;; esac"#,
+        );
+        assert_eq!(ends.expect("an end"), [Finished::Failed("told".to_owned())]);
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let ends = crew(folder.path(), "1) begin ;; esac").expect_err("no child begins after the first");
+        assert!(ends.to_string().contains("began no frame"), "{ends}");
+        assert_eq!(starts(folder.path()), 1 + MOST_DEATHS_AT_START as usize);
     }
 
-    fn is_done(&self) -> bool {
-        self.next >= self.end
+    /// Renders one frame with a shell script as the child; `cases` are chosen by the number of the start.
+    fn crew(folder: &Path, cases: &str) -> Result<Vec<Finished>, SetError> {
+        let script = format!(
+            "cd '{}' && echo >> starts && begin() {{ echo '{{\"is\":\"begun\",\"frame\":0}}'; }}; case $(wc -l < starts) in {cases}",
+            folder.display()
+        );
+        let recipe = Recipe {
+            program: "/bin/sh".into(),
+            arguments: ["-c", &script].map(OsString::from).to_vec(),
+            slots: 1,
+            frame_limit: Duration::from_secs(60),
+            memory_limit_bytes: u64::MAX,
+        };
+        let mut crew = Crew {
+            recipe,
+            job: "{}".to_owned(),
+            child: None,
+        };
+        let mut ends = Vec::new();
+        crew.render(0..1, &|| Ok(()), |_, finished| {
+            ends.push(finished);
+            Ok(())
+        })?;
+        Ok(ends)
     }
 
-    /// The next frame to be rendered, unless too much waits for an older one.
-    fn next(&mut self) -> Option<u64> {
-        let &frame = self.waiting.first()?;
-        let has_room = frame - self.next < self.ahead && self.early_bytes < MOST_WAITING_BYTES;
-        (has_room || frame == self.next).then(|| self.waiting.pop_first())?
-    }
-
-    fn take_back(&mut self, frames: &[u64]) {
-        self.waiting.extend(frames);
-    }
-
-    fn finish(&mut self, message: Message) {
-        if let Message::Image { frame, .. } | Message::Failed { frame, .. } = message {
-            self.insert(frame, Finished::from(message));
-        }
-    }
-
-    fn insert(&mut self, frame: u64, finished: Finished) {
-        self.early_bytes += finished.bytes();
-        self.early.insert(frame, finished);
-    }
-
-    fn hand_on(
-        &mut self,
-        take: &mut impl FnMut(u64, Finished) -> Result<(), SetError>,
-    ) -> Result<(), SetError> {
-        while let Some(finished) = self.early.remove(&self.next) {
-            self.early_bytes -= finished.bytes();
-            take(self.next, finished)?;
-            self.next += 1;
-        }
-        Ok(())
-    }
-}
-
-impl Finished {
-    fn bytes(&self) -> usize {
-        match self {
-            Self::Image { record, files } => {
-                record.len() + files.iter().map(|file| file.bytes.len()).sum::<usize>()
-            }
-            Self::Failed(error) => error.len(),
-        }
+    fn starts(folder: &Path) -> usize {
+        let starts = std::fs::read_to_string(folder.join("starts")).expect("a started child");
+        starts.lines().count()
     }
 }

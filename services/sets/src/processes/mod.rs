@@ -3,3 +3,4 @@
 pub(crate) mod child;
 pub(crate) mod crew;
 pub(crate) mod message;
+pub(crate) mod open;

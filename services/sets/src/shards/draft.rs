@@ -8,8 +8,8 @@ use serde_json::Value;
 use spec::FrameRecord;
 
 use crate::error::SetError;
-use crate::processes::crew::Finished;
 use crate::processes::message::ParcelFile;
+use crate::processes::open::Finished;
 use crate::rows::columns::{Common, Row};
 use crate::rows::rows_file::Rows;
 use crate::set::marker::{FailedFrame, Marker};

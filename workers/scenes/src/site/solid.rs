@@ -57,7 +57,7 @@ forms!($ Tube, SolidBox, Ellipsoid, Stone, Ring, Bore, Room);
 
 mod packet;
 
-pub(crate) use packet::{RUN, ShadowPacket};
+pub(crate) use packet::{Groups, RUN, ShadowPacket};
 use shape::ShapeGeometry;
 
 #[derive(Debug, Clone, Copy)]

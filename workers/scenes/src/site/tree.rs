@@ -3,7 +3,7 @@
 use imaging::vector::Vec3;
 
 use super::bounds::Bounds;
-use super::solid::Solid;
+use super::solid::{Groups, ShadowPacket, Solid};
 
 /// Boxes are enlarged by this, m: rounding can place a hit just outside of a box.
 const MARGIN_M: f32 = 1e-3;
@@ -115,6 +115,47 @@ impl Tree {
             order,
             hollows,
             boxes,
+        }
+    }
+
+    /// Marks the rays of a packet that a solid occludes. `hull` contains all of them.
+    #[inline(always)]
+    pub(crate) fn occlude(&self, solids: &[Solid], hull: &RayPacket, run: &mut ShadowPacket) {
+        for &number in &self.hollows {
+            solids[usize::from(number)].occlude(run, Groups::ALL);
+        }
+        if self.nodes.is_empty() {
+            return;
+        }
+        let (mut stack, mut height) = ([(0usize, Groups::ALL); DEPTH], 1);
+        while height > 0 {
+            height -= 1;
+            let (position, groups) = stack[height];
+            let node = &self.nodes[position];
+            // Most nodes are outside of the hull, which takes a fraction of the time of the rays.
+            if hull.reaches(&node.bounds).is_none() {
+                continue;
+            }
+            let groups = run.reach(&node.bounds, groups);
+            if groups.is_empty() {
+                continue;
+            }
+            if node.count == 0 {
+                stack[height] = (node.first, groups);
+                stack[height + 1] = (position + 1, groups);
+                height += 2;
+                continue;
+            }
+            for &number in &self.order[node.first..node.first + node.count] {
+                let reaching = if node.count == 1 {
+                    groups
+                } else {
+                    run.reach(&self.boxes[usize::from(number)], groups)
+                };
+                if !reaching.is_empty() {
+                    solids[usize::from(number)].occlude(run, reaching);
+                }
+            }
         }
     }
 

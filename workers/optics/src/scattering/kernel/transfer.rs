@@ -5,6 +5,7 @@
 //! smooth and even, and nine Chebyshev terms per axis carry it to 1e-8. For γ ≥ 6 A vanishes; below 0.3, where the direct
 //! sum is long, A is interpolated in γ between γ = 0 (where H = 1) and twelve Chebyshev nodes.
 
+use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
@@ -165,15 +166,16 @@ fn fit(value: impl Fn(f64, f64) -> f64) -> Coefficients {
             values[j][i] = values[i][j];
         }
     }
-    let weight = |p: usize, n: usize| {
-        (if p == 0 { 1.0 } else { 2.0 }) / TERMS as f64 * ((2 * p) as f64 * angle(n)).cos()
-    };
+    let weights: Coefficients = from_fn(|p| {
+        let scale = (if p == 0 { 1.0 } else { 2.0 }) / TERMS as f64;
+        from_fn(|n| scale * ((2 * p) as f64 * angle(n)).cos())
+    });
     let mut coefficients = [[0.0; TERMS]; TERMS];
     for (p, row) in coefficients.iter_mut().enumerate() {
         for (q, coefficient) in row.iter_mut().enumerate() {
             for (i, line) in values.iter().enumerate() {
                 for (j, value) in line.iter().enumerate() {
-                    *coefficient += weight(p, i) * weight(q, j) * value;
+                    *coefficient += weights[p][i] * weights[q][j] * value;
                 }
             }
         }

@@ -5,11 +5,16 @@ use imaging::vectorized;
 
 use super::shape::ShapeGeometry;
 use super::{Ring, Solid, SolidShape, ring};
-use crate::site::lanes::load;
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{larger, load, smaller};
 use crate::site::pose::Pose;
 
-/// EyeRays per packet: those of a square of eight pixels a side.
+/// Rays per packet: those of a square of eight pixels a side.
 pub(crate) const RUN: usize = 64;
+/// Rays per group, tested or left out together. The compiler unrolls loops over eight rays instead of vectorizing them.
+const GROUP: usize = 16;
+/// Components of directions closer to 0 count as this, so that no product with their inverse is NaN.
+const LEAST_WAY: f32 = 1e-20;
 
 /// A packet of shadow rays in world coordinates.
 pub(crate) struct ShadowPacket {
@@ -17,17 +22,86 @@ pub(crate) struct ShadowPacket {
     pub(crate) from: [[f32; RUN]; 3],
     /// Vectors to the ends.
     pub(crate) way: [[f32; RUN]; 3],
+    /// The inverse of each of their components.
+    inverse: [[f32; RUN]; 3],
     /// 1 if occluded, else 0.
     pub(crate) occluded: [f32; RUN],
 }
 
+/// Some groups of a packet, one bit each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Groups(u8);
+
+impl Groups {
+    pub(crate) const ALL: Self = Self((1 << (RUN / GROUP)) - 1);
+
+    pub(crate) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The index of the first ray of each group.
+    #[inline(always)]
+    fn starts(self) -> impl Iterator<Item = usize> {
+        (0..RUN / GROUP)
+            .filter(move |group| self.0 >> group & 1 == 1)
+            .map(|group| group * GROUP)
+    }
+}
+
+impl ShadowPacket {
+    pub(crate) fn blank() -> Self {
+        Self {
+            from: [[0.0; RUN]; 3],
+            way: [[0.0; RUN]; 3],
+            inverse: [[0.0; RUN]; 3],
+            occluded: [0.0; RUN],
+        }
+    }
+
+    /// Completes a packet after its rays are set.
+    #[inline(always)]
+    pub(crate) fn invert_ways(&mut self) {
+        for (inverse, way) in self.inverse.iter_mut().zip(&self.way) {
+            for (inverse, way) in inverse.iter_mut().zip(way) {
+                let way = if way.abs() < LEAST_WAY { LEAST_WAY } else { *way };
+                *inverse = 1.0 / way;
+            }
+        }
+    }
+
+    /// Those of the groups with a ray through a box that is not occluded.
+    #[inline(always)]
+    pub(crate) fn reach(&self, bounds: &Bounds, groups: Groups) -> Groups {
+        let Bounds { low, high } = *bounds;
+        let mut reaching = 0;
+        for first in groups.starts() {
+            let mut missed = [0.0f32; GROUP];
+            for k in 0..GROUP {
+                let i = first + k;
+                let (from, inverse) = (load(&self.from, i), load(&self.inverse, i));
+                let (a, b) = (
+                    (low - from).zip(inverse, |v, w| v * w),
+                    (high - from).zip(inverse, |v, w| v * w),
+                );
+                let (near, far) = (a.zip(b, smaller), a.zip(b, larger));
+                let enter = larger(larger(near.x, near.y), larger(near.z, 0.0));
+                let leave = smaller(smaller(far.x, far.y), smaller(far.z, 1.0));
+                missed[k] = if enter <= leave { self.occluded[i] } else { 1.0 };
+            }
+            let all_missed = missed.into_iter().fold(1.0, smaller);
+            reaching |= u8::from(all_missed == 0.0) << (first / GROUP);
+        }
+        Groups(reaching)
+    }
+}
+
 impl Solid {
-    /// Marks the rays occluded by this solid.
-    pub(crate) fn occlude(&self, run: &mut ShadowPacket) {
+    /// Marks the rays of some groups that are occluded by this solid.
+    pub(crate) fn occlude(&self, run: &mut ShadowPacket, groups: Groups) {
         let pose = &self.pose;
         match &self.shape {
-            SolidShape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run)),
-            shape => for_form!(shape, form => vectorized!(hide_behind(form, pose, run))),
+            SolidShape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run, groups)),
+            shape => for_form!(shape, form => vectorized!(hide_behind(form, pose, run, groups))),
         }
     }
 
@@ -57,28 +131,33 @@ impl Solid {
 }
 
 #[inline(always)]
-fn hide_behind(form: &impl ShapeGeometry, pose: &Pose, run: &mut ShadowPacket) {
+fn hide_behind(form: &impl ShapeGeometry, pose: &Pose, run: &mut ShadowPacket, groups: Groups) {
     let pose = *pose;
-    for i in 0..RUN {
-        let (o, d) = (
-            pose.point_in(load(&run.from, i)),
-            pose.direction_in(load(&run.way, i)),
-        );
-        let met = form.enter(o, d) < 1.0;
-        run.occluded[i] = if met { 1.0 } else { run.occluded[i] };
+    for first in groups.starts() {
+        for k in 0..GROUP {
+            let i = first + k;
+            let (o, d) = (
+                pose.point_in(load(&run.from, i)),
+                pose.direction_in(load(&run.way, i)),
+            );
+            let met = form.enter(o, d) < 1.0;
+            run.occluded[i] = if met { 1.0 } else { run.occluded[i] };
+        }
     }
 }
 
 #[inline(always)]
-fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut ShadowPacket) {
+fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut ShadowPacket, groups: Groups) {
     let (ring, pose) = (*ring, *pose);
-    for start in (0..RUN).step_by(ring::WIDE) {
-        let o = std::array::from_fn(|i| pose.point_in(load(&run.from, start + i)));
-        let d = std::array::from_fn(|i| pose.direction_in(load(&run.way, start + i)));
-        let met = ring.enter_abreast(o, d);
-        for i in 0..ring::WIDE {
-            if met[i] < 1.0 && ring.is_entered(o[i] + d[i] * met[i], d[i]) {
-                run.occluded[start + i] = 1.0;
+    for first in groups.starts() {
+        for start in (first..first + GROUP).step_by(ring::WIDE) {
+            let o = std::array::from_fn(|i| pose.point_in(load(&run.from, start + i)));
+            let d = std::array::from_fn(|i| pose.direction_in(load(&run.way, start + i)));
+            let met = ring.enter_abreast(o, d);
+            for i in 0..ring::WIDE {
+                if met[i] < 1.0 && ring.is_entered(o[i] + d[i] * met[i], d[i]) {
+                    run.occluded[start + i] = 1.0;
+                }
             }
         }
     }
