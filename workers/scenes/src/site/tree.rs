@@ -38,6 +38,7 @@ pub(crate) struct RayPacket {
 
 impl RayPacket {
     /// Smallest share of the length at which any ray can reach a box; `None` if the packet misses it.
+    #[inline(always)]
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
         let ([from_low, from_high], [to_low, to_high]) = (self.from.ends(), self.to.ends());
         let [low, high] = other.ends();

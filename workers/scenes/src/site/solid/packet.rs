@@ -75,21 +75,18 @@ impl ShadowPacket {
         let Bounds { low, high } = *bounds;
         let mut reaching = 0;
         for first in groups.starts() {
-            let mut missed = [0.0f32; GROUP];
+            let mut is_reached = 0;
             for k in 0..GROUP {
                 let i = first + k;
                 let (from, inverse) = (load(&self.from, i), load(&self.inverse, i));
-                let (a, b) = (
-                    (low - from).zip(inverse, |v, w| v * w),
-                    (high - from).zip(inverse, |v, w| v * w),
-                );
+                let a = (low - from).zip(inverse, |v, w| v * w);
+                let b = (high - from).zip(inverse, |v, w| v * w);
                 let (near, far) = (a.zip(b, smaller), a.zip(b, larger));
                 let enter = larger(larger(near.x, near.y), larger(near.z, 0.0));
                 let leave = smaller(smaller(far.x, far.y), smaller(far.z, 1.0));
-                missed[k] = if enter <= leave { self.occluded[i] } else { 1.0 };
+                is_reached |= u32::from((enter <= leave) & (self.occluded[i] == 0.0));
             }
-            let all_missed = missed.into_iter().fold(1.0, smaller);
-            reaching |= u8::from(all_missed == 0.0) << (first / GROUP);
+            reaching |= (is_reached as u8) << (first / GROUP);
         }
         Groups(reaching)
     }
