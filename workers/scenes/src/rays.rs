@@ -23,7 +23,7 @@ const LONGEST_M: f64 = 1e3;
 pub struct WorldRays<'a> {
     site: &'a Site,
     pose: CameraPose,
-    tree: Tree,
+    tree: &'a Tree,
 }
 
 impl World {
@@ -33,7 +33,7 @@ impl World {
         WorldRays {
             site: &self.site,
             pose: *pose,
-            tree: Tree::new(&self.site.solids),
+            tree: self.tree(),
         }
     }
 }
@@ -169,7 +169,8 @@ impl WorldRays<'_> {
         };
         self.tree.search(&packet, |number| {
             let met = self.site.solids[usize::from(number)].enter(begin, heading);
-            if met < nearest {
+            // At equal distances the first solid counts, whatever the order of the search.
+            if met < nearest || (met == nearest && owner.is_some_and(|other| number < other)) {
                 (nearest, owner, is_met) = (met, Some(number), true);
             }
             nearest / meters

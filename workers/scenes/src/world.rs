@@ -1,5 +1,7 @@
 //! A procedural world: its objects and their positions, independent of any camera.
 
+use std::sync::OnceLock;
+
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
@@ -11,6 +13,7 @@ use crate::categories::Category;
 use crate::labels::{InstanceInfo, Labels};
 use crate::path::CameraPath;
 use crate::site::solid::SolidShape;
+use crate::site::tree::Tree;
 use crate::site::view::{self, Obstacles};
 use crate::site::{self, RenderOptions, RenderedRows, Site};
 use crate::{CameraPose, FAMILIES, SceneError, SceneFamily, bottom, life};
@@ -35,6 +38,8 @@ pub struct World {
     pub(crate) site: Site,
     /// Number of solids before the first of the biota.
     structures: usize,
+    /// Of the solids; made for the first rays.
+    tree: OnceLock<Tree>,
 }
 
 impl World {
@@ -70,7 +75,11 @@ impl World {
         if let Some(life) = life {
             life::settle(&mut site, life, seed);
         }
-        Ok(Self { site, structures })
+        Ok(Self {
+            site,
+            structures,
+            tree: OnceLock::new(),
+        })
     }
 
     /// The ground ends this far from a camera, m. No structure is that far from the paths through it.
@@ -96,6 +105,7 @@ impl World {
 
     /// Extends piles beyond a water surface at this height above the bottom, m, within the reach of cameras.
     pub fn raise_piles(&mut self, surface_m: f64) {
+        self.tree = OnceLock::new();
         let top = surface_m.min(self.site.pose.position_m.z + f64::from(site::FAR_M)) as f32 + FREEBOARD_M;
         for solid in &mut self.site.solids[..self.structures] {
             let is_pile = self.site.objects[usize::from(solid.object)].category == Category::Pile;
@@ -108,6 +118,11 @@ impl World {
                 tube.length = tube.length.max((top - foot.z) / axis.z);
             }
         }
+    }
+
+    /// The hierarchy of the solids.
+    pub(crate) fn tree(&self) -> &Tree {
+        self.tree.get_or_init(|| Tree::new(&self.site.solids))
     }
 
     /// The pose of a single frame.

@@ -1,16 +1,21 @@
 //! Bounding-volume hierarchy of a site's solids for packets of shadow rays.
 
+mod split;
+
 use imaging::vector::Vec3;
 
 use super::bounds::Bounds;
 use super::solid::{Groups, ShadowPacket, Solid};
+use split::split;
 
 /// Boxes are enlarged by this, m: rounding can place a hit just outside of a box.
 const MARGIN_M: f32 = 1e-3;
 /// Solids per leaf.
 const FEW: usize = 2;
-/// Deeper than any tree of `u16` solid numbers.
+/// Deeper than any tree of `u16` solid numbers: below [`UNEVEN_DEPTH`] nodes are halved.
 const DEPTH: usize = 64;
+/// Depth from which on nodes are divided into equal halves.
+const UNEVEN_DEPTH: usize = 40;
 
 pub(crate) struct Tree {
     nodes: Vec<TreeNode>,
@@ -92,7 +97,7 @@ impl Tree {
         let mut nearest = (reach, None);
         self.search(&packet, |number| {
             let met = solids[usize::from(number)].enter(from, heading);
-            if met < nearest.0 {
+            if met < nearest.0 || (met == nearest.0 && nearest.1.is_some_and(|other| number < other)) {
                 nearest = (met, Some(number));
             }
             nearest.0 / reach
@@ -109,7 +114,11 @@ impl Tree {
             (0..solids.len() as u16).partition(|&number| solids[usize::from(number)].is_hollow());
         let mut nodes = Vec::new();
         if !order.is_empty() {
-            grow(&boxes, &mut order, 0, &mut nodes);
+            Growing {
+                boxes: &boxes,
+                nodes: &mut nodes,
+            }
+            .grow(&mut order, 0, 0);
         }
         Self {
             nodes,
@@ -197,40 +206,30 @@ impl Tree {
     }
 }
 
-/// Adds the subtree of some solids; `first` is the index of the first one in the overall order.
-fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<TreeNode>) {
-    let bounds = order
-        .iter()
-        .map(|&number| &boxes[usize::from(number)])
-        .fold(boxes[usize::from(order[0])], |all, bounds| all.union(bounds));
-    let node = nodes.len();
-    let count = if order.len() <= FEW { order.len() } else { 0 };
-    nodes.push(TreeNode { bounds, first, count });
-    if count > 0 {
-        return;
-    }
-    // Split along the axis with the largest extent of box centers.
-    let spreads = [0, 1, 2].map(|axis| {
-        let middles = order.iter().map(|&number| middle(boxes, number, axis));
-        let (low, high) = middles.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| {
-            (a.min(v), b.max(v))
-        });
-        high - low
-    });
-    let axis = (0..3).fold(
-        0,
-        |best, axis| if spreads[axis] > spreads[best] { axis } else { best },
-    );
-    order.sort_by(|&a, &b| middle(boxes, a, axis).total_cmp(&middle(boxes, b, axis)));
-    let half = order.len() / 2;
-    let (left, right) = order.split_at_mut(half);
-    grow(boxes, left, first, nodes);
-    nodes[node].first = nodes.len();
-    grow(boxes, right, first + half, nodes);
+/// A tree under construction.
+struct Growing<'a> {
+    boxes: &'a [Bounds],
+    nodes: &'a mut Vec<TreeNode>,
 }
 
-/// Twice the center of a box along an axis.
-fn middle(boxes: &[Bounds], number: u16, axis: usize) -> f32 {
-    let Bounds { low, high } = boxes[usize::from(number)];
-    <[f32; 3]>::from(low + high)[axis]
+impl Growing<'_> {
+    /// Adds the subtree of some solids at a depth; `first` is the index of the first one in the overall order.
+    fn grow(&mut self, order: &mut [u16], first: usize, depth: usize) {
+        let boxes = self.boxes;
+        let bounds = order
+            .iter()
+            .map(|&number| &boxes[usize::from(number)])
+            .fold(boxes[usize::from(order[0])], |all, bounds| all.union(bounds));
+        let node = self.nodes.len();
+        let count = if order.len() <= FEW { order.len() } else { 0 };
+        self.nodes.push(TreeNode { bounds, first, count });
+        if count > 0 {
+            return;
+        }
+        let half = split(boxes, order, depth < UNEVEN_DEPTH);
+        let (left, right) = order.split_at_mut(half);
+        self.grow(left, first, depth + 1);
+        self.nodes[node].first = self.nodes.len();
+        self.grow(right, first + half, depth + 1);
+    }
 }
