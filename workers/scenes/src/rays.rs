@@ -16,6 +16,8 @@ use crate::site::tree::{RayPacket, Tree};
 use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
 use crate::{CameraPose, World};
 
+/// Packets that are traced together: those to the first samples of a lamp's disc from the same points.
+const TOGETHER: usize = 5;
 /// Longer rays are clipped to this length, m; larger than any site.
 const LONGEST_M: f64 = 1e3;
 
@@ -94,20 +96,35 @@ impl Rays for WorldRays<'_> {
             eye: self.pose.position_m.as_f32(),
             axes: [self.pose.right, self.pose.down, self.pose.ahead].map(DVec3::as_f32),
         };
-        let mut run = ShadowPacket::blank();
-        let mut ends = [[0.0; RUN]; 3];
-        for (at, clear) in clear.chunks_mut(RUN).enumerate() {
-            vectorized!(begin(frame, rays, at * RUN, &mut run, &mut ends));
-            if !self.site.pits.is_empty() {
-                self.sink(&mut run, &ends);
+        let mut packets: [ShadowPacket; TOGETHER] = std::array::from_fn(|_| ShadowPacket::blank());
+        let (mut ends, mut listed) = ([[0.0; RUN]; 3], Vec::with_capacity(RUN));
+        for (at, clear) in clear.chunks_mut(RUN * TOGETHER).enumerate() {
+            let packets = &mut packets[..clear.len().div_ceil(RUN)];
+            let mut hulls = [RayPacket::EMPTY; TOGETHER];
+            for (k, (run, hull)) in packets.iter_mut().zip(&mut hulls).enumerate() {
+                vectorized!(begin(frame, rays, (at * TOGETHER + k) * RUN, run, &mut ends));
+                if !self.site.pits.is_empty() {
+                    self.sink(run, &ends);
+                }
+                *hull = RayPacket {
+                    from: vectorized!(Bounds::from_points(&run.from)),
+                    to: vectorized!(Bounds::from_points(&ends)),
+                };
             }
-            let hull = RayPacket {
-                from: vectorized!(Bounds::from_points(&run.from)),
-                to: vectorized!(Bounds::from_points(&ends)),
-            };
-            vectorized!(self.tree.occlude(&self.site.solids, &hull, &mut run));
-            for (clear, occluded) in clear.iter_mut().zip(&run.occluded) {
-                *clear = *occluded == 0.0;
+            let all = hulls[..packets.len()]
+                .iter()
+                .fold(RayPacket::EMPTY, |all, hull| all.union(hull));
+            let (tree, solids) = (self.tree, &self.site.solids);
+            let are_few = packets.len() > 1 && tree.list_few(&all, &mut listed);
+            for ((run, hull), clear) in packets.iter_mut().zip(&hulls).zip(clear.chunks_mut(RUN)) {
+                if are_few {
+                    vectorized!(tree.occlude_listed(solids, (&listed, hull), run));
+                } else {
+                    vectorized!(tree.occlude(solids, hull, run));
+                }
+                for (clear, occluded) in clear.iter_mut().zip(&run.occluded) {
+                    *clear = *occluded == 0.0;
+                }
             }
         }
     }

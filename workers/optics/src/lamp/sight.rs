@@ -1,5 +1,7 @@
 //! Visible share of a lamp from each point of a batch, in f32.
 
+use std::ops::Range;
+
 use imaging::rays::{Rays, ShadowRays};
 use imaging::vectorized;
 
@@ -8,6 +10,8 @@ use super::shadow::on_unit_disc;
 /// Rim samples of a disc, traced first: if all or none of them are occluded, the others are assumed equal. An occluder that covers
 /// a part of a disc but no rim sample is thinner than the disc.
 const FIRST: usize = 5;
+/// Starts whose rays to all samples are neighbors in the list: a packet of rays.
+const NEIGHBORS: usize = 64;
 
 /// Traces shadow rays through a scene and keeps its allocations.
 pub(super) struct Sight<'a> {
@@ -56,6 +60,16 @@ pub(super) enum Radius<'a> {
     Of(&'a [f32]),
 }
 
+impl Radius<'_> {
+    /// Those of some of the starts.
+    fn of(&self, starts: Range<usize>) -> Radius<'_> {
+        match self {
+            Self::Same(radius_m) => Radius::Same(*radius_m),
+            Self::Of(radii) => Radius::Of(&radii[starts]),
+        }
+    }
+}
+
 /// A disc about a lamp, perpendicular to the ray to it: its samples in units of its radius, outermost first.
 pub(super) struct Disc {
     places: Vec<[f32; 2]>,
@@ -95,11 +109,7 @@ impl<'a> Sight<'a> {
         let (rim, rest) = disc.places.split_at(first);
         shares.clear();
         shares.resize(starts.len(), 0.0);
-        self.begin(|axis, from| from.extend_from_slice(&starts.axes[axis]));
-        for &place in rim {
-            self.turn(place, middle, radius_m);
-            vectorized!(count(&self.clear, shares));
-        }
+        self.count_clear(&starts.axes, (rim, middle), radius_m, shares);
         if rest.is_empty() {
             let unit = 1.0 / first as f32;
             shares.iter_mut().for_each(|share| *share *= unit);
@@ -119,11 +129,8 @@ impl<'a> Sight<'a> {
             same => same,
         };
         let mut more = vec![0.0f32; undecided.len()];
-        self.begin(|axis, from| from.extend(undecided.iter().map(|&i| starts.axes[axis][i])));
-        for &place in rest {
-            self.turn(place, middle, radius_m);
-            vectorized!(count(&self.clear, &mut more));
-        }
+        let open = starts.axes.each_ref().map(|axis| of(axis));
+        self.count_clear(&open, (rest, middle), radius_m, &mut more);
         let mut is_open = undecided.iter().zip(&more).peekable();
         for (i, share) in shares.iter_mut().enumerate() {
             *share = match is_open.next_if(|(at, _)| **at == i) {
@@ -134,26 +141,48 @@ impl<'a> Sight<'a> {
         self.undecided = undecided;
     }
 
-    /// Starts several rays for each origin: `fill` writes the origins, axis by axis.
-    fn begin(&mut self, fill: impl Fn(usize, &mut Vec<f32>)) {
-        self.ways.clear();
-        for (axis, from) in self.ways.from.iter_mut().enumerate() {
-            fill(axis, from);
+    /// Adds the number of clear rays from each start to samples of a disc. Rays from the same starts are neighbors in the list.
+    fn count_clear(
+        &mut self,
+        starts: &[Vec<f32>; 3],
+        (places, middle): (&[[f32; 2]], [f32; 3]),
+        radius_m: Radius<'_>,
+        counts: &mut [f32],
+    ) {
+        for (at, counts) in counts.chunks_mut(NEIGHBORS).enumerate() {
+            let own = at * NEIGHBORS..at * NEIGHBORS + counts.len();
+            self.ways.clear();
+            for &place in places {
+                self.add_ways(
+                    starts.each_ref().map(|axis| &axis[own.clone()]),
+                    place,
+                    middle,
+                    radius_m.of(own.clone()),
+                );
+            }
+            self.look();
+            for clear in self.clear.chunks(counts.len()) {
+                vectorized!(count(clear, counts));
+            }
         }
-        let count = self.ways.len();
-        self.ways.to.iter_mut().for_each(|axis| axis.resize(count, 0.0));
     }
 
-    /// Ends all rays at this sample of the disc of each, and traces them.
-    fn turn(&mut self, place: [f32; 2], middle: [f32; 3], radius_m: Radius<'_>) {
+    /// Adds rays from each start to a sample of its disc.
+    fn add_ways(&mut self, starts: [&[f32]; 3], place: [f32; 2], middle: [f32; 3], radius_m: Radius<'_>) {
         let ShadowRays { from, to } = &mut self.ways;
-        let from = from.each_ref().map(Vec::as_slice);
+        let (first, count) = (from[0].len(), starts[0].len());
+        from.iter_mut()
+            .zip(starts)
+            .for_each(|(axis, own)| axis.extend_from_slice(own));
+        to.iter_mut()
+            .zip(middle)
+            .for_each(|(axis, v)| axis.resize(first + count, v));
+        let mut to = to.each_mut().map(|axis| &mut axis[first..]);
         match radius_m {
-            Radius::Same(0.0) => to.iter_mut().zip(middle).for_each(|(axis, v)| axis.fill(v)),
-            Radius::Same(radius_m) => vectorized!(ends(from, to, middle, place, |_| radius_m)),
-            Radius::Of(radii) => vectorized!(ends(from, to, middle, place, |i| radii[i])),
+            Radius::Same(0.0) => {}
+            Radius::Same(radius_m) => vectorized!(ends(starts, &mut to, middle, place, |_| radius_m)),
+            Radius::Of(radii) => vectorized!(ends(starts, &mut to, middle, place, |i| radii[i])),
         }
-        self.look();
     }
 
     /// Sets for each ray whether it is clear.
@@ -182,7 +211,7 @@ fn count(clear: &[bool], shares: &mut [f32]) {
 #[inline(always)]
 fn ends(
     [x, y, z]: [&[f32]; 3],
-    to: &mut [Vec<f32>; 3],
+    to: &mut [&mut [f32]; 3],
     middle: [f32; 3],
     place: [f32; 2],
     radius_m: impl Fn(usize) -> f32,

@@ -15,6 +15,12 @@ pub(crate) struct Bounds {
 pub(super) const EVERYWHERE_M: f32 = 1e9;
 
 impl Bounds {
+    /// A box without points.
+    pub(crate) const EMPTY: Self = Self {
+        low: vec3(f32::INFINITY, f32::INFINITY, f32::INFINITY),
+        high: vec3(f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY),
+    };
+
     /// A box about the origin with the given half sides.
     pub(crate) fn about_origin(half: Vec3) -> Self {
         Self {

@@ -10,6 +10,8 @@ use split::split;
 
 /// Boxes are enlarged by this, m: rounding can place a hit just outside of a box.
 const MARGIN_M: f32 = 1e-3;
+/// More solids than these are found faster by each packet of a batch than in a list for all of them.
+const MOST_LISTED: usize = 24;
 /// Solids per leaf.
 const FEW: usize = 2;
 /// Deeper than any tree of `u16` solid numbers: below [`UNEVEN_DEPTH`] nodes are halved.
@@ -42,6 +44,20 @@ pub(crate) struct RayPacket {
 }
 
 impl RayPacket {
+    /// A packet without rays.
+    pub(crate) const EMPTY: Self = Self {
+        from: Bounds::EMPTY,
+        to: Bounds::EMPTY,
+    };
+
+    /// Both packets.
+    pub(crate) fn union(&self, other: &Self) -> Self {
+        Self {
+            from: self.from.union(&other.from),
+            to: self.to.union(&other.to),
+        }
+    }
+
     /// Smallest share of the length at which any ray can reach a box; `None` if the packet misses it.
     #[inline(always)]
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
@@ -128,6 +144,39 @@ impl Tree {
         }
     }
 
+    /// Lists the solids with boxes that a packet may reach, without hollows. Returns whether they are few.
+    pub(crate) fn list_few(&self, packet: &RayPacket, found: &mut Vec<u16>) -> bool {
+        found.clear();
+        self.search_boxes(packet, 1.0, |number| {
+            found.push(number);
+            if found.len() > MOST_LISTED { -1.0 } else { 1.0 }
+        });
+        found.len() <= MOST_LISTED
+    }
+
+    /// [`Tree::occlude`] for a packet that reaches no other solids than the listed ones and hollows.
+    #[inline(always)]
+    pub(crate) fn occlude_listed(
+        &self,
+        solids: &[Solid],
+        (listed, hull): (&[u16], &RayPacket),
+        run: &mut ShadowPacket,
+    ) {
+        for &number in &self.hollows {
+            solids[usize::from(number)].occlude(run, Groups::ALL);
+        }
+        for &number in listed {
+            let bounds = &self.boxes[usize::from(number)];
+            if hull.reaches(bounds).is_none() {
+                continue;
+            }
+            let reaching = run.reach(bounds, Groups::ALL);
+            if !reaching.is_empty() {
+                solids[usize::from(number)].occlude(run, reaching);
+            }
+        }
+    }
+
     /// Marks the rays of a packet that a solid occludes. `hull` contains all of them.
     #[inline(always)]
     pub(crate) fn occlude(&self, solids: &[Solid], hull: &RayPacket, run: &mut ShadowPacket) {
@@ -176,6 +225,11 @@ impl Tree {
         for &number in &self.hollows {
             within = meet(number);
         }
+        self.search_boxes(packet, within, meet);
+    }
+
+    /// [`Tree::search`] without hollows, up to a share of the length.
+    fn search_boxes(&self, packet: &RayPacket, mut within: f32, mut meet: impl FnMut(u16) -> f32) {
         if self.nodes.is_empty() {
             return;
         }
