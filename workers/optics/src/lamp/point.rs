@@ -9,7 +9,7 @@ use imaging::rays::{RayStart, Rays, offset};
 use imaging::vector::dot;
 
 use super::multiple::{blurred, surface_depth, surface_scale};
-use super::patches::{last, mean};
+use super::patches::last;
 use super::shadow::{SPREAD_PLACES, Shadow, share_seen};
 use super::sight::{Disc, Radius, Sight, Starts};
 use super::{Lamp, Lighting};
@@ -24,22 +24,48 @@ pub(super) struct Arriving {
     spread_m: [f64; 3],
 }
 
-impl Arriving {
-    fn new(place: [f64; 3], lamp: &Lamp, lighting: &Lighting) -> Self {
-        let range = dot(place, place).sqrt().max(lighting.radius_m);
-        Self::on_ray((place.map(|v| v / range), range), place, lamp, lighting)
+/// A point as the camera sees it.
+#[derive(Clone, Copy)]
+pub(super) struct SeenPoint {
+    /// Unit vector from the camera.
+    ray: [f64; 3],
+    range_m: f64,
+    place: [f64; 3],
+    /// Path from the camera through mean water, m; the range without patches.
+    path_m: f64,
+}
+
+impl SeenPoint {
+    /// A point on a ray from the camera, a unit vector and the range there.
+    pub(super) fn new((ray, range_m): ([f64; 3], f64), place: [f64; 3], lighting: &Lighting) -> Self {
+        let patches = lighting.patches.as_ref();
+        Self {
+            ray,
+            range_m,
+            place,
+            path_m: patches.map_or(range_m, |field| field.path_m(ray, range_m)),
+        }
     }
 
-    /// Light at a point on a ray from the camera, a unit vector and the range there.
-    pub(super) fn on_ray(
-        (ray, range): ([f64; 3], f64),
-        place: [f64; 3],
-        lamp: &Lamp,
-        lighting: &Lighting,
-    ) -> Self {
-        let away = [0, 1, 2].map(|i| place[i] - lamp.position_m[i]);
+    fn at(place: [f64; 3], lighting: &Lighting) -> Self {
+        let range_m = dot(place, place).sqrt().max(lighting.radius_m);
+        Self::new((place.map(|v| v / range_m), range_m), place, lighting)
+    }
+
+    /// Mean of the patches over the last `leg_m` meters of its ray.
+    fn murk(&self, leg_m: f64, lighting: &Lighting) -> f64 {
+        let (from, to) = last(self.range_m, leg_m);
+        lighting.patches.as_ref().map_or(1.0, |field| {
+            (self.path_m - field.path_m(self.ray, from)) / (to - from)
+        })
+    }
+}
+
+impl Arriving {
+    pub(super) fn new(point: &SeenPoint, lamp: &Lamp, lighting: &Lighting) -> Self {
+        let away = [0, 1, 2].map(|i| point.place[i] - lamp.position_m[i]);
         let distance = dot(away, away).sqrt().max(lighting.radius_m);
-        let murk = mean(lighting.patches.as_ref(), ray, last(range, distance));
+        let murk = point.murk(distance, lighting);
         let cosine = |axis: [f64; 3]| dot(axis, away) / distance;
         let profile = lamp.beam.profile(cosine);
         let sphere = PI * distance * distance;
@@ -73,13 +99,14 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -
         origin: place,
         from: offset(place),
     };
+    let point = SeenPoint::at(place, lighting);
     let mut sum = [0.0; 3];
     for lamp in &lighting.lamps {
         let Arriving {
             direct,
             spread,
             spread_m,
-        } = Arriving::new(place, lamp, lighting);
+        } = Arriving::new(&point, lamp, lighting);
         let rays = rays.filter(|_| lamp.shadow != Shadow::None);
         let seen = |light: f64, disc| match rays.filter(|_| light > 0.0) {
             Some(rays) => share_seen(rays, start, lamp.position_m, disc),
@@ -106,10 +133,10 @@ pub fn white_at_each(
 ) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; points.len()];
     let (mut sight, mut asked) = (Sight::new(rays), Asked::new(points));
+    let seen = points.iter().map(|point| SeenPoint::at(point.place, lighting));
+    let seen: Vec<SeenPoint> = seen.collect();
     for lamp in &lighting.lamps {
-        let arriving = points
-            .iter()
-            .map(|point| Arriving::new(point.place, lamp, lighting));
+        let arriving = seen.iter().map(|point| Arriving::new(point, lamp, lighting));
         let mut arriving: Vec<Arriving> = arriving.collect();
         if lamp.shadow != Shadow::None {
             cut_off(&mut arriving, (lamp, &mut asked), &mut sight, unseen);

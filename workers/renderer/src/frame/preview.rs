@@ -4,6 +4,7 @@
 mod occlusion;
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb, transfer};
@@ -36,6 +37,9 @@ pub(crate) struct Preview<'a> {
     gain: f64,
     /// Noise of the sensor in exposed light; 0 without a sensor.
     noise: f64,
+    /// The veil, and the picture without any effect, once they are needed.
+    veil: OnceCell<Rgb<f32>>,
+    plain: OnceCell<Rgb<f32>>,
 }
 
 /// Factors of daylight on surfaces; `None` means 1.
@@ -70,6 +74,8 @@ impl<'a> Preview<'a> {
             layering,
             gain,
             noise,
+            veil: OnceCell::new(),
+            plain: OnceCell::new(),
         })
     }
 
@@ -118,7 +124,7 @@ impl<'a> Preview<'a> {
             sun: Some(&seen),
             ..Light::default()
         };
-        Some([self.arriving(shadowed), self.arriving(Light::default())])
+        Some([self.arriving(shadowed), self.plain().clone()])
     }
 
     fn with_ambient_occlusion(&self) -> Option<[Rgb<f32>; 2]> {
@@ -129,7 +135,7 @@ impl<'a> Preview<'a> {
             sky: Some(&access),
             ..Light::default()
         };
-        Some([self.arriving(occluded), self.arriving(Light::default())])
+        Some([self.arriving(occluded), self.plain().clone()])
     }
 
     fn with_caustics(&self) -> Option<[Rgb<f32>; 2]> {
@@ -144,16 +150,15 @@ impl<'a> Preview<'a> {
             sun: Some(&pattern),
             ..Light::default()
         };
-        Some([self.arriving(lit), self.arriving(Light::default())])
+        Some([self.arriving(lit), self.plain().clone()])
     }
 
     fn with_shafts(&self) -> Option<[Rgb<f32>; 2]> {
         let (daylight, sun) = self.sun().filter(|(daylight, _)| daylight.has_shafts())?;
         let tiles = self.tiles.as_ref()?;
         let shafts = daylight::shafts(&self.range, daylight, sun, tiles, self.clearest());
-        let mut veil = self.veil();
-        let mut total = self.arriving(Light::default());
-        let plain = total.clone();
+        let (mut veil, plain) = (self.veil().clone(), self.plain().clone());
+        let mut total = plain.clone();
         daylight::with_shafts(&mut veil, &mut total, &shafts, daylight);
         Some([total, plain])
     }
@@ -161,9 +166,8 @@ impl<'a> Preview<'a> {
     fn with_veil_occlusion(&self) -> Option<[Rgb<f32>; 2]> {
         let daylight = self.daylight().filter(|daylight| daylight.occludes_veil())?;
         let access = daylight::veil_access(&self.range, daylight, self.clearest(), self.rays()?);
-        let mut veil = self.veil();
-        let mut total = self.arriving(Light::default());
-        let plain = total.clone();
+        let (mut veil, plain) = (self.veil().clone(), self.plain().clone());
+        let mut total = plain.clone();
         daylight::occlude_veil(&mut veil, &mut total, &access);
         Some([total, plain])
     }
@@ -181,7 +185,7 @@ impl<'a> Preview<'a> {
             shadows: true,
             ..Light::default()
         };
-        Some([self.arriving(shadowed), self.arriving(Light::default())])
+        Some([self.arriving(shadowed), self.plain().clone()])
     }
 
     /// Transmitted light, and the veil in front of it.
@@ -222,11 +226,19 @@ impl<'a> Preview<'a> {
         }
     }
 
+    /// The picture without any effect.
+    fn plain(&self) -> &Rgb<f32> {
+        self.plain.get_or_init(|| self.arriving(Light::default()))
+    }
+
     /// The veil at the radiance of the horizon.
-    fn veil(&self) -> Rgb<f32> {
-        let attenuation = self.water.direct_attenuation();
-        let veil = self.water.veiling_light();
-        self.for_each_pixel(|channel, _, _, z| (veil[channel] * -(-attenuation[channel] * z).exp_m1()) as f32)
+    fn veil(&self) -> &Rgb<f32> {
+        self.veil.get_or_init(|| {
+            let (attenuation, veil) = (self.water.direct_attenuation(), self.water.veiling_light());
+            self.for_each_pixel(|channel, _, _, z| {
+                (veil[channel] * -(-attenuation[channel] * z).exp_m1()) as f32
+            })
+        })
     }
 
     fn for_each_pixel(&self, light: impl Fn(usize, usize, usize, f64) -> f32) -> Rgb<f32> {

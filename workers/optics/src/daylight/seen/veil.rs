@@ -12,6 +12,8 @@
 //! Its distance is assumed uniform in that length: `1 − (1 − e^{−1.5})/1.5`. The sun has separate shadow rays from more points:
 //! each is either lit or in shadow, and few points would leave steps in the veil.
 
+use std::array::from_fn;
+
 use imaging::rays::{Rays, ShadowRays};
 use imaging::vector::{DVec3, vec3};
 use imaging::{Plane, Rgb, vectorized};
@@ -98,10 +100,12 @@ fn change(veil: &mut [f32], light: &mut [f32], access: &[f32]) {
 struct Line {
     /// Unit vector.
     direction: DVec3,
-    /// Share of light lost along its length.
-    lost: f64,
     /// The share of singly scattered sunlight in its veil.
     sun_share: f64,
+    /// Distances of the points with shadow rays all around, m.
+    places: [f64; PLACES],
+    /// Distances of those with a ray toward the sun, m.
+    sun_places: [f64; SUN_PLACES],
 }
 
 /// A ray from a point of a line of sight.
@@ -117,7 +121,9 @@ struct OccludedVeil<'a> {
     daylight: &'a Daylight,
     attenuation: f64,
     up: DVec3,
-    directions: Vec<DVec3>,
+    directions: [DVec3; DIRECTIONS],
+    /// Radiance from each of them. Green stands for all: channels differ less than directions.
+    radiances: [f64; DIRECTIONS],
     /// Toward the sun.
     sun: Option<DVec3>,
 }
@@ -130,11 +136,14 @@ impl<'a> OccludedVeil<'a> {
             let (sine, cosine) = (TURN * k as f64).sin_cos();
             vec3(level * cosine, rise, level * sine)
         };
+        let up = DVec3::from(daylight.gaze.up);
+        let directions: [DVec3; DIRECTIONS] = from_fn(direction);
         Self {
             daylight,
             attenuation: attenuation.max(1e-6),
-            up: daylight.gaze.up.into(),
-            directions: (0..DIRECTIONS).map(direction).collect(),
+            up,
+            directions,
+            radiances: directions.map(|direction| daylight.fields[1].around.value(direction.dot(up)).exp()),
             sun: daylight.sun.map(|sun| sun.toward(&daylight.gaze).into()),
         }
     }
@@ -162,9 +171,21 @@ impl<'a> OccludedVeil<'a> {
         let direction = self.daylight.gaze.camera.ray(x as f64, y as f64).normalized();
         let sea = to_sea(self.daylight, vec3(0.0, 0.0, 0.0), direction.dot(self.up));
         let end = self.length(range.pixel(x, y)).min(sea);
+        let lost = self.lost(end);
+        let meters = |k: usize, count: usize| {
+            let share = (k as f64 + 0.5) / count as f64;
+            -(-share * lost).ln_1p() / self.attenuation
+        };
         Line {
             direction,
-            lost: self.lost(end),
+            places: from_fn(|k| meters(k, PLACES)),
+            sun_places: from_fn(|k| {
+                if self.sun.is_some() {
+                    meters(k, SUN_PLACES)
+                } else {
+                    0.0
+                }
+            }),
             sun_share: if self.sun.is_some() {
                 self.daylight.sun_share_of_veil(direction.into(), end)
             } else {
@@ -176,21 +197,17 @@ impl<'a> OccludedVeil<'a> {
     /// Shadow ray `k` of a line of sight: [`DIRECTIONS`] from each of its [`PLACES`], then those toward the sun. Each ends at the sea
     /// surface, and those not toward the sun within [`REACH`].
     fn shadow_ray(&self, line: &Line, k: usize) -> ShadowRay {
-        let (share, direction, reach) = match self.sun {
+        let (meters, direction, reach) = match self.sun {
             Some(sun) if k >= PLACES * DIRECTIONS => {
-                let place = (k - PLACES * DIRECTIONS) as f64;
-                ((place + 0.5) / SUN_PLACES as f64, sun, FARTHEST)
+                (line.sun_places[k - PLACES * DIRECTIONS], sun, FARTHEST)
             }
-            _ => {
-                let place = (k / DIRECTIONS) as f64;
-                (
-                    (place + 0.5) / PLACES as f64,
-                    self.directions[k % DIRECTIONS],
-                    REACH,
-                )
-            }
+            _ => (
+                line.places[k / DIRECTIONS],
+                self.directions[k % DIRECTIONS],
+                REACH,
+            ),
         };
-        let from = line.direction * (-(-share * line.lost).ln_1p() / self.attenuation);
+        let from = line.direction * meters;
         let surface = to_sea(self.daylight, from, direction.dot(self.up));
         ShadowRay {
             from,
@@ -230,12 +247,9 @@ impl<'a> OccludedVeil<'a> {
 
     /// V of a line of sight whose shadow rays are clear or not.
     fn share(&self, line: &Line, is_clear: impl Fn(usize) -> bool) -> f64 {
-        // Green stands for all: channels differ less than directions.
-        let field = &self.daylight.fields[1];
         let (mut open, mut all) = (0.0, 0.0);
         for (k, direction) in self.directions.iter().enumerate() {
-            let radiance = field.around.value(direction.dot(self.up)).exp();
-            let weight = radiance * self.daylight.wide.density(line.direction.dot(*direction));
+            let weight = self.radiances[k] * self.daylight.wide.density(line.direction.dot(*direction));
             let clear = (0..PLACES)
                 .filter(|place| is_clear(place * DIRECTIONS + k))
                 .count() as f64;

@@ -8,7 +8,7 @@ use imaging::{Plane, Rgb};
 
 use super::shade::{RowShade, Shade};
 use crate::lamp::Lighting;
-use crate::lamp::point::Arriving;
+use crate::lamp::point::{Arriving, SeenPoint};
 use crate::range::is_hole;
 use crate::visible_bounds::TILE_PX;
 
@@ -58,12 +58,13 @@ pub(super) fn replace(
 
 fn sum_up(point: &Point, lighting: &Lighting, shades: &[Option<RowShade<'_>>]) -> [f64; 3] {
     let place = point.ray.map(|v| v * point.range_m);
+    let seen = SeenPoint::new((point.ray, point.range_m), place, lighting);
     let mut sum = [0.0; 3];
     for (lamp, shade) in lighting.lamps.iter().zip(shades) {
         let to_lamp = [0, 1, 2].map(|i| lamp.position_m[i] - place[i]);
         let distance = dot(to_lamp, to_lamp).sqrt().max(lighting.radius_m);
         let facing = PI * dot(point.normal, to_lamp).max(0.0) / distance;
-        let arriving = Arriving::on_ray((point.ray, point.range_m), place, lamp, lighting);
+        let arriving = Arriving::new(&seen, lamp, lighting);
         let direct = shade.map_or(1.0, |shade| f64::from(shade.direct[point.x]));
         for i in 0..3 {
             sum[i] += facing * direct * arriving.direct[i];

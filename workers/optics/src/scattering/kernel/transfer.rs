@@ -42,7 +42,7 @@ impl Transfer {
         let gamma = gamma.max(0.0);
         let folded = (gamma < NO_FOLDING).then(|| {
             if gamma >= INTERPOLATED_BELOW {
-                fit(|fx, fy| folded_sum(fx, fy, gamma, EXPONENT_LIMIT))
+                fit(|i, j| FOLDS.sum((i, j), gamma, EXPONENT_LIMIT))
             } else {
                 TABLE.interpolate(gamma)
             }
@@ -60,7 +60,7 @@ impl Transfer {
         let is_folded = gamma < GATED_NO_FOLDING;
         Self {
             gamma,
-            folded: is_folded.then(|| fit(|fx, fy| folded_sum(fx, fy, gamma, GATED_LIMIT))),
+            folded: is_folded.then(|| fit(|i, j| FOLDS.sum((i, j), gamma, GATED_LIMIT))),
         }
     }
 
@@ -132,37 +132,74 @@ pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
     terms
 }
 
-/// The terms other than m = n = 0, summed up to `limit`.
-fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
-    let radius = limit / (TAU * gamma);
-    let reach = radius.ceil() as i64 + 1;
-    let mut sum = 0.0;
-    for n in -reach..=reach {
-        let y = fy + n as f64;
-        if y.abs() > radius {
-            continue;
-        }
-        let across = sinc(y);
-        let half = (radius * radius - y * y).sqrt();
-        for m in (-half - fx).ceil() as i64..=(half - fx).floor() as i64 {
-            if m != 0 || n != 0 {
-                let x = fx + m as f64;
-                sum += across * sinc(x) * (-TAU * gamma * x.hypot(y)).exp();
-            }
+/// The farthest term of the sums of kernels that are not interpolated: 12 for γ = 0.3.
+const FARTHEST_FOLD: i64 = 13;
+const FOLD_COUNT: usize = 2 * FARTHEST_FOLD as usize + 1;
+
+static FOLDS: LazyLock<Folds> = LazyLock::new(Folds::new);
+
+/// What the terms of folded sums at the nodes of [`fit`] share whatever their γ.
+struct Folds {
+    /// sinc(f + m) by node and m.
+    sincs: [[f64; FOLD_COUNT]; TERMS],
+    /// |f + (m, n)| by both nodes, n and m.
+    distances: Vec<[[f64; FOLD_COUNT]; FOLD_COUNT]>,
+}
+
+impl Folds {
+    fn new() -> Self {
+        let shifted = |i: usize, m: usize| node(i) + (m as i64 - FARTHEST_FOLD) as f64;
+        let distances = |i: usize, j: usize| from_fn(|n| from_fn(|m| shifted(i, m).hypot(shifted(j, n))));
+        Self {
+            sincs: from_fn(|i| from_fn(|m| sinc(shifted(i, m)))),
+            distances: (0..TERMS * TERMS)
+                .map(|pair| distances(pair / TERMS, pair % TERMS))
+                .collect(),
         }
     }
-    sum
+
+    /// The terms other than m = n = 0 at two nodes, summed up to `limit`; γ is at least [`INTERPOLATED_BELOW`].
+    fn sum(&self, (i, j): (usize, usize), gamma: f64, limit: f64) -> f64 {
+        let (fx, fy) = (node(i), node(j));
+        let distances = &self.distances[i * TERMS + j];
+        let radius = limit / (TAU * gamma);
+        let mut sum = 0.0;
+        for n in -FARTHEST_FOLD..=FARTHEST_FOLD {
+            let y = fy + n as f64;
+            if y.abs() > radius {
+                continue;
+            }
+            let row = (n + FARTHEST_FOLD) as usize;
+            let across = self.sincs[j][row];
+            let half = (radius * radius - y * y).sqrt();
+            for m in (-half - fx).ceil() as i64..=(half - fx).floor() as i64 {
+                if m != 0 || n != 0 {
+                    let column = (m + FARTHEST_FOLD) as usize;
+                    sum += across * self.sincs[i][column] * (-TAU * gamma * distances[row][column]).exp();
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// Angle of a Chebyshev node.
+fn angle(n: usize) -> f64 {
+    (n as f64 + 0.5) * PI / (2 * TERMS) as f64
+}
+
+/// Frequency of a Chebyshev node.
+fn node(n: usize) -> f64 {
+    0.5 * angle(n).cos()
 }
 
 /// Chebyshev coefficients of an even function of both axes from its values at the nine positive nodes per axis.
-fn fit(value: impl Fn(f64, f64) -> f64) -> Coefficients {
-    let angle = |n: usize| (n as f64 + 0.5) * PI / (2 * TERMS) as f64;
-    let node = |n: usize| 0.5 * angle(n).cos();
+fn fit(value: impl Fn(usize, usize) -> f64) -> Coefficients {
     let mut values = [[0.0; TERMS]; TERMS];
     for i in 0..TERMS {
         for j in 0..=i {
             // Even in both axes and symmetric in them.
-            values[i][j] = value(node(i), node(j));
+            values[i][j] = value(i, j);
             values[j][i] = values[i][j];
         }
     }
@@ -254,9 +291,9 @@ mod tests {
     /// A at γ, from the direct sum.
     fn fit_folded(gamma: f64) -> Coefficients {
         if gamma == 0.0 {
-            fit(|fx, fy| 1.0 - sinc(fx) * sinc(fy))
+            fit(|i, j| 1.0 - sinc(node(i)) * sinc(node(j)))
         } else {
-            fit(|fx, fy| folded_sum(fx, fy, gamma, EXPONENT_LIMIT))
+            fit(|i, j| folded_sum(node(i), node(j), gamma, EXPONENT_LIMIT))
         }
     }
 
@@ -283,6 +320,43 @@ mod tests {
             .zip(table.coefficients.as_flattened().as_flattened());
         for (sum, held) in pairs {
             assert!((sum - held).abs() < 1e-14, "{sum} {held}");
+        }
+    }
+
+    /// Reference of [`Folds::sum`], at any frequency and for any γ.
+    fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
+        let radius = limit / (TAU * gamma);
+        let reach = radius.ceil() as i64 + 1;
+        let mut sum = 0.0;
+        for n in -reach..=reach {
+            let y = fy + n as f64;
+            if y.abs() > radius {
+                continue;
+            }
+            let across = sinc(y);
+            let half = (radius * radius - y * y).sqrt();
+            for m in (-half - fx).ceil() as i64..=(half - fx).floor() as i64 {
+                if m != 0 || n != 0 {
+                    let x = fx + m as f64;
+                    sum += across * sinc(x) * (-TAU * gamma * x.hypot(y)).exp();
+                }
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn sums_at_nodes_are_the_direct_sums() {
+        for gamma in [INTERPOLATED_BELOW, 0.7, 2.0, 5.9, 9.9] {
+            for limit in [EXPONENT_LIMIT, GATED_LIMIT]
+                .into_iter()
+                .filter(|&limit| limit < 60.0 * gamma)
+            {
+                for (i, j) in [(0, 0), (3, 1), (TERMS - 1, 0), (TERMS - 1, TERMS - 1)] {
+                    let sum = FOLDS.sum((i, j), gamma, limit);
+                    assert_eq!(sum, folded_sum(node(i), node(j), gamma, limit), "γ = {gamma}");
+                }
+            }
         }
     }
 
