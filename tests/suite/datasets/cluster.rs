@@ -92,9 +92,9 @@ fn a_killed_supervisor_costs_only_time() {
 /// Failure: a killed child ends the run or changes its output.
 #[test]
 fn a_killed_child_costs_only_time() {
-    let work = Work::new(&job(200));
-    let expected = digest_by_render(&job(200), work.folder(), "2");
-    let run = work.start(&["--frames-per-shard", "100"], &[]);
+    let work = Work::new(&job(100));
+    let expected = digest_by_render(&job(100), work.folder(), "2");
+    let run = work.start(&["--frames-per-shard", "50"], &[]);
     // A third kill may be the third in a row before a child begins, or the third try of a frame alone; both end the run.
     let killed = (0..2).filter(|_| {
         std::thread::sleep(Duration::from_millis(150));
