@@ -128,3 +128,69 @@ fn a_deadline_that_is_none_or_contradicts_the_job_is_refused() {
         refused(json!({"fidelity": "reference"}), 66.0).contains("`fidelity` is given, but `deadline_ms`")
     );
 }
+
+/// Failure: a picture that no stage changes has other codes than its input, or one that a stage changes has the same.
+#[test]
+fn pictures_that_no_stage_changes_come_back_in_every_order_of_channels() {
+    let (rgb_codes, pixels) = {
+        let picture = Rgb8::from_fn(16, 16, |x, y| {
+            [16 * y + x, 255 - 16 * y - x, 16 * x + y].map(|code| code as u8)
+        });
+        let pixels: Vec<[u8; 3]> = picture.data().as_chunks::<3>().0.to_vec();
+        (picture.data().to_vec(), pixels)
+    };
+    let ordered = |order: fn([u8; 3]) -> Vec<u8>| -> Vec<u8> {
+        pixels.iter().flat_map(|&pixel| order(pixel)).collect()
+    };
+    let orders = [
+        (ChannelOrder::Rgb, rgb_codes.clone()),
+        (ChannelOrder::Bgr, ordered(|[r, g, b]| vec![b, g, r])),
+        (ChannelOrder::Rgba, ordered(|[r, g, b]| vec![r, g, b, 7])),
+        (ChannelOrder::Bgra, ordered(|[r, g, b]| vec![b, g, r, 7])),
+    ];
+    let haze = json!({"lights": [{"kind": "haze", "x": 0.5, "y": 0.5, "size": 0.5, "intensity": 1}]});
+    let camera = Camera::new();
+    let (mut plain, mut hazed) = (open(&json!({"enhance": ["hscm"]})), open(&haze));
+    for (channels, codes) in &orders {
+        let input = StreamInput {
+            picture: StreamPicture {
+                size: (16, 16),
+                channels: *channels,
+                samples: PictureSamples::Srgb(codes),
+            },
+            ..camera.input_without_range(0)
+        };
+        assert_eq!(rgb(&mut plain, &input), rgb_codes, "{channels:?}");
+        assert_ne!(rgb(&mut hazed, &input), rgb_codes, "{channels:?}");
+    }
+}
+
+/// Failure: a deadline that no plan meets leaves forward scatter as it is, or every frame chooses its effects again.
+#[test]
+fn a_short_deadline_coarsens_forward_scatter_and_keeps_the_choice() {
+    let (camera, job) = (Camera::new(), json!({"water": {"optics": "jerlov-3C"}}));
+    let terms = |frame: &StreamFrame| {
+        let stages = frame.record.plan.as_array().expect("stages").iter();
+        let scatter = stages.filter(|stage| {
+            stage["stage"]
+                .as_str()
+                .is_some_and(|id| id.starts_with("forward_scatter"))
+        });
+        scatter
+            .map(|stage| stage["terms"].as_u64().unwrap_or(0))
+            .sum::<u64>()
+    };
+    let plain = open(&job).render(&camera.input(0)).expect("a frame");
+    let options = StreamOptions {
+        deadline_ms: Some(0.01),
+        ..StreamOptions::default()
+    };
+    let mut late = open_with(&job, options);
+    let frames = [0, 1].map(|stamp| late.render(&camera.input(stamp)).expect("a frame"));
+    assert!(
+        2 * terms(&frames[0]) <= terms(&plain),
+        "{}",
+        frames[0].record.plan
+    );
+    assert_eq!(frames[0].record.plan, frames[1].record.plan);
+}

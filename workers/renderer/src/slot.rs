@@ -67,6 +67,7 @@ impl Slot {
             right: RightCaches::default(),
             history: History::default(),
             excluded: Vec::new(),
+            kept_effects: None,
         }
     }
 

@@ -16,12 +16,12 @@ use spec::{ArtifactKind, Fidelity, FieldError, Frame, FrameRecord, Invalid, Job,
 
 use crate::engine::Engine;
 use crate::error::RenderError;
-use crate::inputs::scene::prepare_picture;
+use crate::inputs::scene::{Prepared, prepare_picture};
 use crate::slot::Slot;
 use crate::stopwatch::Stopwatch;
 use check::{Checked, check_input};
 use deadline::{CALIBRATION_FRAMES, CALIBRATION_SIZE, CostModel};
-use decode::Decoder;
+use decode::{Decoder, read_codes};
 
 pub use description::{StreamJob, StreamParts};
 pub use error::{InputError, StreamError};
@@ -92,6 +92,9 @@ impl Stream {
         if let Some(deadline_ms) = options.deadline_ms {
             check_deadline(deadline_ms, stream.fixed.fidelity)?;
             stream.costs = Some(stream.calibrate(deadline_ms));
+            if stream.options.vary == Vary::Stream {
+                stream.slot.keep_effects();
+            }
         }
         Ok(stream)
     }
@@ -162,6 +165,10 @@ impl Stream {
         let mut scene = decoded.map_err(|error| StreamError::Input(vec![error]))?;
         scene.intrinsics = checked.camera;
         let prepared = watch.time("scene", || prepare_picture(&frame, scene, checked.pose))?;
+        let prepared = Prepared {
+            codes: read_codes(&input.picture),
+            ..prepared
+        };
         let contents = self
             .slot
             .guard(&frame, |slot| slot.contents_of(&frame, &prepared, watch))?;

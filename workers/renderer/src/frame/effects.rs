@@ -62,6 +62,8 @@ pub(crate) struct Effects {
 /// Number of times that a budget doubles the tolerance before it drops visible effects. Errors then stay within four codes, and
 /// bounds are larger than errors.
 const MOST_DOUBLINGS: i32 = 2;
+/// The same after it has dropped all of them: forward scatter with a kernel or two is cheaper than light on surfaces.
+const COARSEST_DOUBLINGS: i32 = 7;
 
 impl Effects {
     pub(crate) fn add(&mut self, id: StageId, change: Change) {
@@ -85,22 +87,32 @@ impl Effects {
         2f64.powi(self.doublings)
     }
 
-    /// Makes the frame cheaper: doubles the tolerance, then drops effects. Returns `false` if no step is left.
-    pub(crate) fn economize(&mut self) -> bool {
-        if self.doublings < MOST_DOUBLINGS {
-            self.doublings += 1;
+    /// Makes a frame that is expected to take `excess_ms` too long cheaper: doubles the tolerance, then drops effects, then doubles it
+    /// further. Returns `false` if no step is left.
+    pub(crate) fn economize(&mut self, excess_ms: f64) -> bool {
+        if self.doublings >= MOST_DOUBLINGS && self.drop_least(excess_ms) {
             return true;
         }
-        self.drop_least()
+        let is_finer = self.doublings < COARSEST_DOUBLINGS;
+        self.doublings += i32::from(is_finer);
+        is_finer
     }
 
-    /// Drops the running effect with the smallest change per millisecond. Returns whether there was one.
-    fn drop_least(&mut self) -> bool {
+    /// Drops running effects that together take `excess_ms`, or all, those with the smallest change per millisecond first. Returns
+    /// whether there was one.
+    fn drop_least(&mut self, excess_ms: f64) -> bool {
         let running = self.estimated.iter().filter(|(id, _)| self.runs(**id));
-        let least = running.min_by(|(_, a), (_, b)| a.gain_per_ms().total_cmp(&b.gain_per_ms()));
-        let least = least.map(|(id, _)| *id);
-        self.dropped.extend(least);
-        least.is_some()
+        let mut running: Vec<(StageId, Change)> = running.map(|(id, change)| (*id, *change)).collect();
+        running.sort_by(|(_, a), (_, b)| a.gain_per_ms().total_cmp(&b.gain_per_ms()));
+        let mut saved_ms = 0.0;
+        for (id, change) in &running {
+            self.dropped.push(*id);
+            saved_ms += change.cost_ms;
+            if saved_ms >= excess_ms {
+                break;
+            }
+        }
+        !running.is_empty()
     }
 
     /// Adds the estimated changes to the stages of a plan.
@@ -151,10 +163,32 @@ mod tests {
         effects.add(StageId::AmbientAccess, change(0.3, 4.0, 40.0));
         effects.add(StageId::Caustics, change(0.0, 0.1, 30.0));
         assert!(!effects.runs(StageId::Caustics), "it is not visible");
-        assert!(effects.drop_least());
+        assert!(effects.drop_least(10.0));
         assert!(effects.runs(StageId::SunShadow) && !effects.runs(StageId::AmbientAccess));
-        assert!(effects.drop_least());
-        assert!(!effects.drop_least());
+        assert!(effects.drop_least(1.0));
+        assert!(!effects.drop_least(1.0));
+    }
+
+    #[test]
+    fn a_budget_drops_as_many_effects_as_it_needs_and_then_accuracy() {
+        let mut effects = Effects::default();
+        effects.add(StageId::SunShadow, change(0.2, 8.0, 10.0));
+        effects.add(StageId::AmbientAccess, change(0.3, 4.0, 40.0));
+        effects.add(StageId::LampShadows, change(0.3, 80.0, 40.0));
+        let factors = |effects: &mut Effects, steps: usize| {
+            (0..steps).for_each(|_| assert!(effects.economize(45.0)));
+            effects.tolerance_factor()
+        };
+        assert_eq!(factors(&mut effects, 2), 4.0);
+        assert!(effects.runs(StageId::AmbientAccess), "accuracy goes first");
+        assert_eq!(factors(&mut effects, 1), 4.0);
+        assert!(
+            effects.runs(StageId::LampShadows),
+            "two of three effects are enough"
+        );
+        assert!(!effects.runs(StageId::SunShadow) && !effects.runs(StageId::AmbientAccess));
+        assert_eq!(factors(&mut effects, 6), 128.0);
+        assert!(!effects.economize(45.0));
     }
 
     #[test]

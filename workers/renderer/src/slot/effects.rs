@@ -14,7 +14,55 @@ use crate::stage::camera::{self, Expected};
 use crate::stage::{daylight, lamps};
 use crate::stopwatch::Stopwatch;
 
+/// Frames of a stream with a deadline that have the same effects: one to three seconds of a camera. An estimate takes longer than
+/// many frames.
+const KEPT_FRAMES: u32 = 30;
+
+/// The effects of the last frames.
+#[derive(Default)]
+pub(super) struct KeptEffects {
+    last: Option<(FrameShape, Effects)>,
+    /// Number of frames that may still have them.
+    left: u32,
+}
+
+/// What two frames with the same effects have in common, apart from their job.
+#[derive(Clone, Copy, PartialEq)]
+struct FrameShape {
+    size: (usize, usize),
+    has_range: bool,
+}
+
+impl FrameShape {
+    fn of(context: &FrameContext<'_>) -> Self {
+        Self {
+            size: context.setting.size,
+            has_range: context.prepared.scene.range.is_some(),
+        }
+    }
+}
+
+impl KeptEffects {
+    /// The effects of the last frames, if this one may have them, too.
+    fn reuse(&mut self, context: &FrameContext<'_>) -> Option<Effects> {
+        self.left = self.left.checked_sub(1)?;
+        let (shape, effects) = self.last.as_ref()?;
+        (*shape == FrameShape::of(context)).then(|| effects.clone())
+    }
+
+    fn keep(&mut self, context: &FrameContext<'_>, effects: &Effects) {
+        self.last = Some((FrameShape::of(context), effects.clone()));
+        self.left = KEPT_FRAMES - 1;
+    }
+}
+
 impl Slot {
+    /// From now on frames may have the effects of the frames before, which must be of one job and fidelity. Their plans then depend on
+    /// their order.
+    pub(crate) fn keep_effects(&mut self) {
+        self.kept_effects = Some(KeptEffects::default());
+    }
+
     /// Leaves out the effects that do not visibly change a thinned picture of the frame, and further ones to meet a budget. Other
     /// fidelities than picture and budget run all effects.
     pub(super) fn choose_effects(
@@ -23,6 +71,10 @@ impl Slot {
         expected: Option<Expected>,
         watch: &mut Stopwatch,
     ) -> Result<(), RenderError> {
+        if let Some(effects) = self.kept_effects.as_mut().and_then(|kept| kept.reuse(context)) {
+            context.apply(effects, &mut self.resources, watch);
+            return Ok(());
+        }
         let mut effects = match context.frame.fidelity {
             Fidelity::Reference | Fidelity::Terms(_) | Fidelity::Tolerance(_) => Effects::default(),
             Fidelity::Picture | Fidelity::BudgetMs(_) => {
@@ -30,15 +82,21 @@ impl Slot {
             }
         };
         self.excluded.iter().for_each(|id| effects.exclude(*id));
-        let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
-            context.apply(effects, &mut self.resources, watch);
-            return Ok(());
-        };
-        context.apply(effects.clone(), &mut self.resources, watch);
-        let engine = &self.networks.engine;
-        while expect_ms(&plan_frame(context, expected, None, engine)?) > budget_ms && effects.economize() {
+        if let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity {
             context.apply(effects.clone(), &mut self.resources, watch);
+            let engine = &self.networks.engine;
+            loop {
+                let excess_ms = expect_ms(&plan_frame(context, expected, None, engine)?) - budget_ms;
+                if excess_ms <= 0.0 || !effects.economize(excess_ms) {
+                    break;
+                }
+                context.apply(effects.clone(), &mut self.resources, watch);
+            }
         }
+        if let Some(kept) = &mut self.kept_effects {
+            kept.keep(context, &effects);
+        }
+        context.apply(effects, &mut self.resources, watch);
         Ok(())
     }
 

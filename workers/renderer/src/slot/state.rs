@@ -8,6 +8,7 @@ use optics::forward_scatter::KernelCache;
 use optics::plan::StageId;
 use spec::{Camera, Scene};
 
+use super::effects::KeptEffects;
 use crate::context::Resources;
 use crate::inputs::scene::Prepared;
 use crate::light::Light;
@@ -30,6 +31,8 @@ pub struct Slot {
     pub(super) history: History,
     /// Effects that no frame of this slot has.
     pub(super) excluded: Vec<StageId>,
+    /// `None` if every frame has its own effects.
+    pub(super) kept_effects: Option<KeptEffects>,
 }
 
 /// Everything that a prepared scene depends on. Scenes from local files are not cached because the files may change.

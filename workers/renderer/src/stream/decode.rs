@@ -2,11 +2,11 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::transfer::decode_u8;
-use imaging::{Plane, Rgb};
+use imaging::{Plane, Rgb, Rgb8};
 use spec::RangeKind;
 
 use super::error::InputError;
-use super::input::{DepthSamples, PictureSamples, StreamDepth, StreamInput, StreamPicture};
+use super::input::{ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamInput, StreamPicture};
 
 /// Meters of a code of [`DepthSamples::Millimeters`].
 const MILLIMETER_M: f64 = 0.001;
@@ -71,18 +71,16 @@ impl Decoder {
         }
         let (width, height) = picture.size;
         let mut bands = std::mem::take(&mut self.bands);
-        for (band, position) in bands.iter_mut().zip(picture.channels.positions()) {
-            band.clear();
-            match picture.samples {
-                PictureSamples::Srgb(codes) => {
-                    let light = &self.light;
-                    pick(codes, picture.channels.count(), position, band, |code| {
-                        light[usize::from(code)]
-                    });
-                }
-                PictureSamples::Linear(samples) => {
-                    pick(samples, picture.channels.count(), position, band, |sample| sample);
-                }
+        bands.iter_mut().for_each(|band| band.resize(width * height, 0.0));
+        match picture.samples {
+            PictureSamples::Srgb(codes) => {
+                let light = &self.light;
+                separate(codes, picture.channels, &mut bands, |code| {
+                    light[usize::from(code)]
+                });
+            }
+            PictureSamples::Linear(samples) => {
+                separate(samples, picture.channels, &mut bands, |sample| sample)
             }
         }
         let planes = bands.map(|band| Plane::new(width, height, band).expect("the count was checked"));
@@ -136,31 +134,58 @@ fn read_meters(meters: f32) -> f32 {
     if meters.is_finite() { meters } else { f32::NAN }
 }
 
-/// Appends the sample at this position of each pixel.
-fn pick<T: Copy>(
+/// Converts red, green and blue of each pixel in one pass.
+fn separate<T: Copy>(
     samples: &[T],
-    count: usize,
-    position: usize,
-    band: &mut Vec<f32>,
+    channels: ChannelOrder,
+    bands: &mut [Vec<f32>; 3],
     convert: impl Fn(T) -> f32,
 ) {
-    match count {
-        1 => band.extend(samples.iter().map(|&sample| convert(sample))),
-        3 => band.extend(
-            samples
-                .as_chunks::<3>()
-                .0
-                .iter()
-                .map(|pixel| convert(pixel[position])),
-        ),
-        _ => band.extend(
-            samples
-                .as_chunks::<4>()
-                .0
-                .iter()
-                .map(|pixel| convert(pixel[position])),
-        ),
+    let positions = channels.positions();
+    match channels.count() {
+        1 => separate_pixels::<T, 1>(samples, positions, bands, convert),
+        3 => separate_pixels::<T, 3>(samples, positions, bands, convert),
+        _ => separate_pixels::<T, 4>(samples, positions, bands, convert),
     }
+}
+
+fn separate_pixels<T: Copy, const COUNT: usize>(
+    samples: &[T],
+    [red, green, blue]: [usize; 3],
+    [reds, greens, blues]: &mut [Vec<f32>; 3],
+    convert: impl Fn(T) -> f32,
+) {
+    let pixels = samples.as_chunks::<COUNT>().0.iter();
+    for (((pixel, r), g), b) in pixels.zip(reds).zip(greens).zip(blues) {
+        *r = convert(pixel[red]);
+        *g = convert(pixel[green]);
+        *b = convert(pixel[blue]);
+    }
+}
+
+/// The codes of an 8-bit picture in color; `None` for other pictures.
+pub(super) fn read_codes(picture: &StreamPicture<'_>) -> Option<Rgb8> {
+    let PictureSamples::Srgb(codes) = picture.samples else {
+        return None;
+    };
+    let (width, height) = picture.size;
+    let data = match picture.channels {
+        ChannelOrder::Mono => return None,
+        ChannelOrder::Rgb => codes.to_vec(),
+        ChannelOrder::Bgr => {
+            let pixels = codes.as_chunks::<3>().0.iter();
+            pixels.flat_map(|&[b, g, r]| [r, g, b]).collect()
+        }
+        ChannelOrder::Rgba => {
+            let pixels = codes.as_chunks::<4>().0.iter();
+            pixels.flat_map(|&[r, g, b, _]| [r, g, b]).collect()
+        }
+        ChannelOrder::Bgra => {
+            let pixels = codes.as_chunks::<4>().0.iter();
+            pixels.flat_map(|&[b, g, r, _]| [r, g, b]).collect()
+        }
+    };
+    Rgb8::new(width, height, data).ok()
 }
 
 /// The first sample of a color channel that is not finite: forward scatter would spread it over the picture.
@@ -180,7 +205,6 @@ fn find_not_finite(picture: &StreamPicture<'_>, samples: &[f32]) -> Option<Input
 
 #[cfg(test)]
 mod tests {
-    use super::super::input::ChannelOrder;
     use super::*;
     use imaging::geometry::range_from_z_depth;
 

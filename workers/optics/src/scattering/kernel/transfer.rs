@@ -5,9 +5,13 @@
 //! smooth and even, and nine Chebyshev terms per axis carry it to 1e-8. For γ ≥ 6 A vanishes; below 0.3, where the direct
 //! sum is long, A is interpolated in γ between γ = 0 (where H = 1) and twelve Chebyshev nodes.
 
-use std::array::from_fn;
+mod fit;
+mod narrow;
+
 use std::f64::consts::{PI, TAU};
-use std::sync::LazyLock;
+
+use fit::{FOLDS, fit};
+use narrow::TABLE;
 
 /// Even Chebyshev terms per axis.
 pub(super) const TERMS: usize = 9;
@@ -18,7 +22,6 @@ const NO_FOLDING: f64 = 6.0;
 /// Below this the direct sum is long and A is interpolated in γ.
 const INTERPOLATED_BELOW: f64 = 0.3;
 const INTERPOLATED_FROM: f64 = 0.05;
-const GAMMA_NODES: usize = 12;
 /// Behind gates H is divided by a response of at least exp(−20), so that folded terms matter down to exp(−34).
 const GATED_LIMIT: f64 = 34.0;
 /// Narrower kernels have H above 1e-3, so exp(−22) is negligible.
@@ -132,233 +135,10 @@ pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
     terms
 }
 
-/// The farthest term of the sums of kernels that are not interpolated: 12 for γ = 0.3.
-const FARTHEST_FOLD: i64 = 13;
-const FOLD_COUNT: usize = 2 * FARTHEST_FOLD as usize + 1;
-
-static FOLDS: LazyLock<Folds> = LazyLock::new(Folds::new);
-
-/// What the terms of folded sums at the nodes of [`fit`] share whatever their γ.
-struct Folds {
-    /// sinc(f + m) by node and m.
-    sincs: [[f64; FOLD_COUNT]; TERMS],
-    /// |f + (m, n)| by both nodes, n and m.
-    distances: Vec<[[f64; FOLD_COUNT]; FOLD_COUNT]>,
-}
-
-impl Folds {
-    fn new() -> Self {
-        let shifted = |i: usize, m: usize| node(i) + (m as i64 - FARTHEST_FOLD) as f64;
-        let distances = |i: usize, j: usize| from_fn(|n| from_fn(|m| shifted(i, m).hypot(shifted(j, n))));
-        Self {
-            sincs: from_fn(|i| from_fn(|m| sinc(shifted(i, m)))),
-            distances: (0..TERMS * TERMS)
-                .map(|pair| distances(pair / TERMS, pair % TERMS))
-                .collect(),
-        }
-    }
-
-    /// The terms other than m = n = 0 at two nodes, summed up to `limit`; γ is at least [`INTERPOLATED_BELOW`].
-    fn sum(&self, (i, j): (usize, usize), gamma: f64, limit: f64) -> f64 {
-        let (fx, fy) = (node(i), node(j));
-        let distances = &self.distances[i * TERMS + j];
-        let radius = limit / (TAU * gamma);
-        let mut sum = 0.0;
-        for n in -FARTHEST_FOLD..=FARTHEST_FOLD {
-            let y = fy + n as f64;
-            if y.abs() > radius {
-                continue;
-            }
-            let row = (n + FARTHEST_FOLD) as usize;
-            let across = self.sincs[j][row];
-            let half = (radius * radius - y * y).sqrt();
-            for m in (-half - fx).ceil() as i64..=(half - fx).floor() as i64 {
-                if m != 0 || n != 0 {
-                    let column = (m + FARTHEST_FOLD) as usize;
-                    sum += across * self.sincs[i][column] * (-TAU * gamma * distances[row][column]).exp();
-                }
-            }
-        }
-        sum
-    }
-}
-
-/// Angle of a Chebyshev node.
-fn angle(n: usize) -> f64 {
-    (n as f64 + 0.5) * PI / (2 * TERMS) as f64
-}
-
-/// Frequency of a Chebyshev node.
-fn node(n: usize) -> f64 {
-    0.5 * angle(n).cos()
-}
-
-/// Chebyshev coefficients of an even function of both axes from its values at the nine positive nodes per axis.
-fn fit(value: impl Fn(usize, usize) -> f64) -> Coefficients {
-    let mut values = [[0.0; TERMS]; TERMS];
-    for i in 0..TERMS {
-        for j in 0..=i {
-            // Even in both axes and symmetric in them.
-            values[i][j] = value(i, j);
-            values[j][i] = values[i][j];
-        }
-    }
-    let weights: Coefficients = from_fn(|p| {
-        let scale = (if p == 0 { 1.0 } else { 2.0 }) / TERMS as f64;
-        from_fn(|n| scale * ((2 * p) as f64 * angle(n)).cos())
-    });
-    let mut coefficients = [[0.0; TERMS]; TERMS];
-    for (p, row) in coefficients.iter_mut().enumerate() {
-        for (q, coefficient) in row.iter_mut().enumerate() {
-            for (i, line) in values.iter().enumerate() {
-                for (j, value) in line.iter().enumerate() {
-                    *coefficient += weights[p][i] * weights[q][j] * value;
-                }
-            }
-        }
-    }
-    coefficients
-}
-
-/// Little-endian coefficients at each node, made by the test `the_table_holds_the_sums`: they take 45 ms, more than the plan of a frame.
-const FOLDED: &[u8; (1 + GAMMA_NODES) * TERMS * TERMS * 8] = include_bytes!("folded.f64");
-
-static TABLE: LazyLock<SmallGamma> = LazyLock::new(SmallGamma::read);
-
-/// Coefficients at γ = 0 and at Chebyshev nodes of [0.05, 0.3], and barycentric interpolation between them.
-struct SmallGamma {
-    nodes: Vec<f64>,
-    weights: Vec<f64>,
-    coefficients: Vec<Coefficients>,
-}
-
-impl SmallGamma {
-    fn read() -> Self {
-        let middle = (INTERPOLATED_BELOW + INTERPOLATED_FROM) / 2.0;
-        let half = (INTERPOLATED_BELOW - INTERPOLATED_FROM) / 2.0;
-        let node = |k: usize| middle + half * (PI * (k as f64 + 0.5) / GAMMA_NODES as f64).cos();
-        let nodes: Vec<f64> = std::iter::once(0.0).chain((0..GAMMA_NODES).map(node)).collect();
-        let weight = |k: usize| {
-            let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
-            1.0 / others
-                .map(|(_, &other)| (nodes[k] - other) / half)
-                .product::<f64>()
-        };
-        let weights = (0..nodes.len()).map(weight).collect();
-        let coefficients = FOLDED.chunks_exact(TERMS * TERMS * 8).map(read_coefficients);
-        let coefficients = coefficients.collect();
-        Self {
-            nodes,
-            weights,
-            coefficients,
-        }
-    }
-
-    fn interpolate(&self, gamma: f64) -> Coefficients {
-        if let Some(exact) = self.nodes.iter().position(|&node| node == gamma) {
-            return self.coefficients[exact];
-        }
-        let shares: Vec<f64> = self
-            .nodes
-            .iter()
-            .zip(&self.weights)
-            .map(|(n, w)| w / (gamma - n))
-            .collect();
-        let total: f64 = shares.iter().sum();
-        let mut mixed = [[0.0; TERMS]; TERMS];
-        for (coefficients, share) in self.coefficients.iter().zip(&shares) {
-            for (row, line) in mixed.iter_mut().zip(coefficients) {
-                for (sum, coefficient) in row.iter_mut().zip(line) {
-                    *sum += share / total * coefficient;
-                }
-            }
-        }
-        mixed
-    }
-}
-
-fn read_coefficients(bytes: &[u8]) -> Coefficients {
-    let (numbers, _) = bytes.as_chunks();
-    let mut numbers = numbers.iter().map(|number| f64::from_le_bytes(*number));
-    let mut next = || numbers.next().unwrap_or_default();
-    std::array::from_fn(|_| std::array::from_fn(|_| next()))
-}
-
 #[cfg(test)]
 mod tests {
+    use super::fit::folded_sum;
     use super::*;
-
-    /// A at γ, from the direct sum.
-    fn fit_folded(gamma: f64) -> Coefficients {
-        if gamma == 0.0 {
-            fit(|i, j| 1.0 - sinc(node(i)) * sinc(node(j)))
-        } else {
-            fit(|i, j| folded_sum(node(i), node(j), gamma, EXPONENT_LIMIT))
-        }
-    }
-
-    /// With `FATHOM_WRITE=1` it writes the table. Sums differ by their last digits between libraries for exp.
-    #[test]
-    fn the_table_holds_the_sums() {
-        let table = SmallGamma::read();
-        let sums: Vec<Coefficients> = table.nodes.iter().map(|&gamma| fit_folded(gamma)).collect();
-        if std::env::var_os("FATHOM_WRITE").is_some() {
-            let bytes: Vec<u8> = sums
-                .as_flattened()
-                .as_flattened()
-                .iter()
-                .flat_map(|v| v.to_le_bytes())
-                .collect();
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/scattering/kernel/folded.f64");
-            std::fs::write(path, bytes).unwrap();
-            return;
-        }
-        let pairs = sums
-            .as_flattened()
-            .as_flattened()
-            .iter()
-            .zip(table.coefficients.as_flattened().as_flattened());
-        for (sum, held) in pairs {
-            assert!((sum - held).abs() < 1e-14, "{sum} {held}");
-        }
-    }
-
-    /// Reference of [`Folds::sum`], at any frequency and for any γ.
-    fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
-        let radius = limit / (TAU * gamma);
-        let reach = radius.ceil() as i64 + 1;
-        let mut sum = 0.0;
-        for n in -reach..=reach {
-            let y = fy + n as f64;
-            if y.abs() > radius {
-                continue;
-            }
-            let across = sinc(y);
-            let half = (radius * radius - y * y).sqrt();
-            for m in (-half - fx).ceil() as i64..=(half - fx).floor() as i64 {
-                if m != 0 || n != 0 {
-                    let x = fx + m as f64;
-                    sum += across * sinc(x) * (-TAU * gamma * x.hypot(y)).exp();
-                }
-            }
-        }
-        sum
-    }
-
-    #[test]
-    fn sums_at_nodes_are_the_direct_sums() {
-        for gamma in [INTERPOLATED_BELOW, 0.7, 2.0, 5.9, 9.9] {
-            for limit in [EXPONENT_LIMIT, GATED_LIMIT]
-                .into_iter()
-                .filter(|&limit| limit < 60.0 * gamma)
-            {
-                for (i, j) in [(0, 0), (3, 1), (TERMS - 1, 0), (TERMS - 1, TERMS - 1)] {
-                    let sum = FOLDS.sum((i, j), gamma, limit);
-                    assert_eq!(sum, folded_sum(node(i), node(j), gamma, limit), "γ = {gamma}");
-                }
-            }
-        }
-    }
 
     /// The fit and the interpolation in γ each have an error below 1e-8.
     const FIT: f64 = 2e-8;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use camera::PartsError;
 use camera::geometry::SourcePicture;
+use imaging::Rgb8;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::daylight::Bottom;
@@ -23,6 +24,8 @@ use crate::source::{SceneBytes, SceneSource};
 pub(crate) struct Prepared {
     /// Radiance is finite and not negative.
     pub(crate) scene: scenes::Scene,
+    /// The 8-bit codes that all of its radiance was decoded from; `None` if they are not known.
+    pub(crate) codes: Option<Rgb8>,
     /// Focal length of the scene's camera if it has one, otherwise of the frame's camera, px.
     pub(crate) focal_px: f64,
     /// Horizontal field of view as it was given, degrees; `None` if the focal length was given.
@@ -296,6 +299,7 @@ fn checked(
     };
     Ok(Prepared {
         scene,
+        codes: None,
         focal_px,
         hfov_deg: None,
         negative_radiance,

@@ -35,7 +35,10 @@ pub(crate) fn develop(
     record: &mut FrameRecord,
 ) -> Developed {
     let Some(taking) = &context.taking else {
-        let (rgb, clamped) = transfer::encode_rgb8(light);
+        let (rgb, clamped) = match find_unchanged(context) {
+            Some(codes) => (codes.clone(), 0),
+            None => transfer::encode_rgb8(light),
+        };
         return Developed {
             rgb,
             deep: None,
@@ -76,6 +79,17 @@ pub(crate) fn develop(
         raw,
         balance: gains,
     }
+}
+
+/// The codes of a scene whose light no stage changes: encoding gives the same ones.
+fn find_unchanged<'a>(context: &FrameContext<'a>) -> Option<&'a Rgb8> {
+    let mut before = context
+        .plan
+        .stages
+        .iter()
+        .filter(|stage| stage.id <= StageId::Haze);
+    let codes = context.prepared.codes.as_ref()?;
+    before.all(|stage| stage.variant.is_skipped()).then_some(codes)
 }
 
 fn read(context: &FrameContext<'_>, sensor: &SensorModel, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {

@@ -75,6 +75,7 @@ pub(crate) fn thin_scene(prepared: &Prepared) -> Prepared {
             instances: scene.instances.as_ref().map(|numbers| thin_plane(numbers, step)),
             intrinsics: Some(thin),
         },
+        codes: None,
         focal_px: thin.focal_px,
         hfov_deg: None,
         negative_radiance: 0,
