@@ -90,12 +90,12 @@ pub fn air(radiance: &Rgb<f32>, cache: &mut KernelCache) -> Layers {
         });
         join(planes)
     };
-    // Fresh zeros cost nothing until they are read.
-    let nothing = || join([(); 3].map(|()| Plane::filled(width, height, 0.0f32)));
+    // The system maps fresh zeros at their first use.
+    let zeros = || join([(); 3].map(|()| Plane::filled(width, height, 0.0f32)));
     Layers {
         direct: copy(),
-        forward_scatter: nothing(),
-        backscatter: nothing(),
+        forward_scatter: zeros(),
+        backscatter: zeros(),
         scattered: copy(),
         holes: 0,
     }
@@ -110,6 +110,13 @@ impl KernelCache {
             layers.backscatter,
             layers.scattered,
         ] {
+            self.buffers.give(layer.into_planes().map(Plane::into_data));
+        }
+    }
+
+    /// The same for the layers of [`air`], without its zeros: they are not in memory yet.
+    pub fn recycle_air(&mut self, layers: Layers) {
+        for layer in [layers.direct, layers.scattered] {
             self.buffers.give(layer.into_planes().map(Plane::into_data));
         }
     }

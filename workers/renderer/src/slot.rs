@@ -206,7 +206,10 @@ impl Slot {
         let made = watch.time("files", || finish(context, &pictures, &mut record))?;
         record.timings_ms = watch.stop();
         drop(styled);
-        self.kernels.recycle(taken.light.layers);
+        match context.setting.around {
+            Some(_) => self.kernels.recycle(taken.light.layers),
+            None => self.kernels.recycle_air(taken.light.layers),
+        }
         Ok((made, record))
     }
 

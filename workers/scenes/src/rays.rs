@@ -16,7 +16,7 @@ use crate::site::tree::{RayPacket, Tree};
 use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
 use crate::{CameraPose, World};
 
-/// Packets that are traced together: those to the first samples of a lamp's disc from the same points.
+/// Number of packets traced together: the rays from the same points to the first samples of a lamp's disc.
 const TOGETHER: usize = 5;
 /// Longer rays are clipped to this length, m; larger than any site.
 const LONGEST_M: f64 = 1e3;
@@ -186,7 +186,7 @@ impl WorldRays<'_> {
         };
         self.tree.search(&packet, |number| {
             let met = self.site.solids[usize::from(number)].enter(begin, heading);
-            // At equal distances the first solid counts, whatever the order of the search.
+            // At equal distances the solid with the lowest number counts, so the order of the search does not matter.
             if met < nearest || (met == nearest && owner.is_some_and(|other| number < other)) {
                 (nearest, owner, is_met) = (met, Some(number), true);
             }

@@ -1,4 +1,4 @@
-//! The frames of a shard: those that wait, and those that are finished before an older one.
+//! The frames of a shard: waiting ones, and ones finished before an older one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;

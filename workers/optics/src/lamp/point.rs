@@ -47,7 +47,7 @@ impl SeenPoint {
         }
     }
 
-    fn at(place: [f64; 3], lighting: &Lighting) -> Self {
+    fn locate(place: [f64; 3], lighting: &Lighting) -> Self {
         let range_m = dot(place, place).sqrt().max(lighting.radius_m);
         Self::new((place.map(|v| v / range_m), range_m), place, lighting)
     }
@@ -99,7 +99,7 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -
         origin: place,
         from: offset(place),
     };
-    let point = SeenPoint::at(place, lighting);
+    let point = SeenPoint::locate(place, lighting);
     let mut sum = [0.0; 3];
     for lamp in &lighting.lamps {
         let Arriving {
@@ -133,7 +133,9 @@ pub fn white_at_each(
 ) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; points.len()];
     let (mut sight, mut asked) = (Sight::new(rays), Asked::new(points));
-    let seen = points.iter().map(|point| SeenPoint::at(point.place, lighting));
+    let seen = points
+        .iter()
+        .map(|point| SeenPoint::locate(point.place, lighting));
     let seen: Vec<SeenPoint> = seen.collect();
     for lamp in &lighting.lamps {
         let arriving = seen.iter().map(|point| Arriving::new(point, lamp, lighting));

@@ -62,7 +62,7 @@ pub(super) enum Radius<'a> {
 
 impl Radius<'_> {
     /// Those of some of the starts.
-    fn of(&self, starts: Range<usize>) -> Radius<'_> {
+    fn select(&self, starts: Range<usize>) -> Radius<'_> {
         match self {
             Self::Same(radius_m) => Radius::Same(*radius_m),
             Self::Of(radii) => Radius::Of(&radii[starts]),
@@ -157,7 +157,7 @@ impl<'a> Sight<'a> {
                     starts.each_ref().map(|axis| &axis[own.clone()]),
                     place,
                     middle,
-                    radius_m.of(own.clone()),
+                    radius_m.select(own.clone()),
                 );
             }
             self.look();

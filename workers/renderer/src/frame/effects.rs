@@ -87,7 +87,7 @@ impl Effects {
         2f64.powi(self.doublings)
     }
 
-    /// Makes a frame that is expected to take `excess_ms` too long cheaper: doubles the tolerance, then drops effects, then doubles it
+    /// Makes a frame cheaper whose expected time is `excess_ms` too long: doubles the tolerance, then drops effects, then doubles it
     /// further. Returns `false` if no step is left.
     pub(crate) fn economize(&mut self, excess_ms: f64) -> bool {
         if self.doublings >= MOST_DOUBLINGS && self.drop_least(excess_ms) {

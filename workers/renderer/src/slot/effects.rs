@@ -14,8 +14,8 @@ use crate::stage::camera::{self, Expected};
 use crate::stage::{daylight, lamps};
 use crate::stopwatch::Stopwatch;
 
-/// Frames of a stream with a deadline that have the same effects: one to three seconds of a camera. An estimate takes longer than
-/// many frames.
+/// Successive frames of a stream with a deadline that have the same effects: one to three seconds of a camera. Choosing them needs
+/// more time than rendering.
 const KEPT_FRAMES: u32 = 30;
 
 /// The effects of the last frames.
@@ -34,7 +34,7 @@ struct FrameShape {
 }
 
 impl FrameShape {
-    fn of(context: &FrameContext<'_>) -> Self {
+    fn measure(context: &FrameContext<'_>) -> Self {
         Self {
             size: context.setting.size,
             has_range: context.prepared.scene.range.is_some(),
@@ -47,11 +47,11 @@ impl KeptEffects {
     fn reuse(&mut self, context: &FrameContext<'_>) -> Option<Effects> {
         self.left = self.left.checked_sub(1)?;
         let (shape, effects) = self.last.as_ref()?;
-        (*shape == FrameShape::of(context)).then(|| effects.clone())
+        (*shape == FrameShape::measure(context)).then(|| effects.clone())
     }
 
     fn keep(&mut self, context: &FrameContext<'_>, effects: &Effects) {
-        self.last = Some((FrameShape::of(context), effects.clone()));
+        self.last = Some((FrameShape::measure(context), effects.clone()));
         self.left = KEPT_FRAMES - 1;
     }
 }

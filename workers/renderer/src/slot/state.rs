@@ -31,7 +31,7 @@ pub struct Slot {
     pub(super) history: History,
     /// Effects that no frame of this slot has.
     pub(super) excluded: Vec<StageId>,
-    /// `None` if every frame has its own effects.
+    /// `None` if effects are chosen for each frame.
     pub(super) kept_effects: Option<KeptEffects>,
 }
 

@@ -16,7 +16,7 @@ const MOST_LISTED: usize = 24;
 const FEW: usize = 2;
 /// Deeper than any tree of `u16` solid numbers: below [`UNEVEN_DEPTH`] nodes are halved.
 const DEPTH: usize = 64;
-/// Depth from which on nodes are divided into equal halves.
+/// Deeper nodes are divided into equal halves.
 const UNEVEN_DEPTH: usize = 40;
 
 pub(crate) struct Tree {
@@ -191,7 +191,7 @@ impl Tree {
             height -= 1;
             let (position, groups) = stack[height];
             let node = &self.nodes[position];
-            // Most nodes are outside of the hull, which takes a fraction of the time of the rays.
+            // Most nodes are outside of the hull, and it is cheaper to test than the rays.
             if hull.reaches(&node.bounds).is_none() {
                 continue;
             }

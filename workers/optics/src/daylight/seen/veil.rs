@@ -207,10 +207,10 @@ impl<'a> OccludedVeil<'a> {
                 REACH,
             ),
         };
-        let from = line.direction * meters;
-        let surface = to_sea(self.daylight, from, direction.dot(self.up));
+        let start = line.direction * meters;
+        let surface = to_sea(self.daylight, start, direction.dot(self.up));
         ShadowRay {
-            from,
+            from: start,
             direction,
             meters: surface.min(reach / self.attenuation),
         }

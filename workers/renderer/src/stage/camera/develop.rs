@@ -81,7 +81,7 @@ pub(crate) fn develop(
     }
 }
 
-/// The codes of a scene whose light no stage changes: encoding gives the same ones.
+/// The codes of a scene, if no stage changes its light: encoding would repeat them.
 fn find_unchanged<'a>(context: &FrameContext<'a>) -> Option<&'a Rgb8> {
     let mut before = context
         .plan

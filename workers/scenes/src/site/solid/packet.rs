@@ -93,7 +93,7 @@ impl ShadowPacket {
 }
 
 impl Solid {
-    /// Marks the rays of some groups that are occluded by this solid.
+    /// Marks the rays of some groups behind this solid.
     pub(crate) fn occlude(&self, run: &mut ShadowPacket, groups: Groups) {
         let pose = &self.pose;
         match &self.shape {

@@ -82,7 +82,7 @@ impl Middles {
         let mut right = [Half::default(); BINS];
         for bin in (1..BINS).rev() {
             right[bin] = if bin + 1 < BINS {
-                bins[bin].with(right[bin + 1])
+                bins[bin].join(right[bin + 1])
             } else {
                 bins[bin]
             };
@@ -90,7 +90,7 @@ impl Middles {
         let mut left = Half::default();
         let mut cuts = Vec::with_capacity(BINS);
         for bin in 1..BINS {
-            left = left.with(bins[bin - 1]);
+            left = left.join(bins[bin - 1]);
             if left.count > 0 && right[bin].count > 0 {
                 cuts.push(Cut {
                     axis,
@@ -118,7 +118,7 @@ impl Half {
         self.bounds = Some(self.bounds.map_or(bounds, |own| own.union(&bounds)));
     }
 
-    fn with(self, other: Self) -> Self {
+    fn join(self, other: Self) -> Self {
         let bounds = match (self.bounds, other.bounds) {
             (Some(own), Some(other)) => Some(own.union(&other)),
             (own, other) => own.or(other),
@@ -155,8 +155,10 @@ mod tests {
     use super::*;
 
     fn row_of(places: &[f32]) -> Vec<Bounds> {
-        let at = |&x: &f32| Bounds::from_point(vec3(x, 0.0, 0.0)).grown(0.1);
-        places.iter().map(at).collect()
+        let boxes = places
+            .iter()
+            .map(|&x| Bounds::from_point(vec3(x, 0.0, 0.0)).grown(0.1));
+        boxes.collect()
     }
 
     /// Failure: a wide gap is inside of a half although a division in it is cheaper.

@@ -12,7 +12,7 @@ const FOLD_COUNT: usize = 2 * FARTHEST_FOLD as usize + 1;
 
 pub(super) static FOLDS: LazyLock<Folds> = LazyLock::new(Folds::new);
 
-/// What the terms of folded sums at the nodes of [`fit`] share whatever their γ.
+/// The factors of folded sums at the nodes of [`fit`] that do not depend on γ.
 pub(super) struct Folds {
     /// sinc(f + m) by node and m.
     sincs: [[f64; FOLD_COUNT]; TERMS],
