@@ -2,6 +2,7 @@
 
 mod effects;
 mod exposure;
+mod kept;
 mod light;
 mod sequence;
 mod state;

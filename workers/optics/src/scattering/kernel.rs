@@ -5,7 +5,9 @@
 //! square, so the kernel is positive, sums to 1 at every γ ≥ 0, and becomes a delta as γ → 0. Its tail falls only as γ/R: it must
 //! not be cut off.
 
+mod fit;
 mod grid;
+mod narrow;
 mod transfer;
 
 pub(crate) use grid::GateReach;

@@ -8,7 +8,7 @@ use optics::forward_scatter::KernelCache;
 use optics::plan::StageId;
 use spec::{Camera, Scene};
 
-use super::effects::KeptEffects;
+use super::kept::KeptEffects;
 use crate::context::Resources;
 use crate::inputs::scene::Prepared;
 use crate::light::Light;

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use imaging::vectorized;
 
 use super::Transfer;
-use super::transfer::{TERMS, even_chebyshev, sinc};
+use super::fit::{TERMS, sinc};
+use super::transfer::even_chebyshev;
 use crate::attenuation::exp_negative;
 
 /// H below this is omitted: one step of f32 relative to light of 1.

@@ -5,31 +5,17 @@
 //! smooth and even, and nine Chebyshev terms per axis carry it to 1e-8. For γ ≥ 6 A vanishes; below 0.3, where the direct
 //! sum is long, A is interpolated in γ between γ = 0 (where H = 1) and twelve Chebyshev nodes.
 
-mod fit;
-mod narrow;
+use std::f64::consts::TAU;
 
-use std::f64::consts::{PI, TAU};
+use super::fit::{Coefficients, EXPONENT_LIMIT, FOLDS, GATED_LIMIT, INTERPOLATED_BELOW, TERMS, fit, sinc};
+use super::narrow::TABLE;
 
-use fit::{FOLDS, fit};
-use narrow::TABLE;
-
-/// Even Chebyshev terms per axis.
-pub(super) const TERMS: usize = 9;
-/// exp(−22) = 3e-10: the omitted part of the direct sum.
-const EXPONENT_LIMIT: f64 = 22.0;
 /// From here on the folded terms are below exp(−22).
 const NO_FOLDING: f64 = 6.0;
-/// Below this the direct sum is long and A is interpolated in γ.
-const INTERPOLATED_BELOW: f64 = 0.3;
-const INTERPOLATED_FROM: f64 = 0.05;
-/// Behind gates H is divided by a response of at least exp(−20), so that folded terms matter down to exp(−34).
-const GATED_LIMIT: f64 = 34.0;
 /// Narrower kernels have H above 1e-3, so exp(−22) is negligible.
 const GATED_ABOVE: f64 = 2.0;
 /// Wider ones have folded terms below exp(−31).
 const GATED_NO_FOLDING: f64 = 10.0;
-
-type Coefficients = [[f64; TERMS]; TERMS];
 
 /// H of one γ.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,14 +101,6 @@ fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-pub(super) fn sinc(x: f64) -> f64 {
-    if x.abs() < 1e-9 {
-        1.0
-    } else {
-        (PI * x).sin() / (PI * x)
-    }
-}
-
 /// `T_0, T_2, … T_16` at 2f.
 pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
     // T_2p(x) = T_p(2x² − 1).
@@ -137,7 +115,7 @@ pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
 
 #[cfg(test)]
 mod tests {
-    use super::fit::folded_sum;
+    use super::super::fit::folded_sum;
     use super::*;
 
     /// The fit and the interpolation in γ each have an error below 1e-8.

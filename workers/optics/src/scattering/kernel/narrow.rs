@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use super::{Coefficients, INTERPOLATED_BELOW, INTERPOLATED_FROM, TERMS};
+use super::fit::{Coefficients, INTERPOLATED_BELOW, TERMS};
 
+const INTERPOLATED_FROM: f64 = 0.05;
 const GAMMA_NODES: usize = 12;
 
 /// Little-endian coefficients at each node, made by the test `the_table_holds_the_sums`: they take 45 ms, more than the plan of a frame.
@@ -73,8 +74,7 @@ fn read_coefficients(bytes: &[u8]) -> Coefficients {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fit::{fit, folded_sum, node};
-    use super::super::{EXPONENT_LIMIT, sinc};
+    use super::super::fit::{EXPONENT_LIMIT, fit, folded_sum, node, sinc};
     use super::*;
 
     /// A at γ, from the direct sum.
@@ -98,10 +98,7 @@ mod tests {
                 .iter()
                 .flat_map(|v| v.to_le_bytes())
                 .collect();
-            let path = concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/src/scattering/kernel/transfer/folded.f64"
-            );
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/scattering/kernel/folded.f64");
             std::fs::write(path, bytes).unwrap();
             return;
         }

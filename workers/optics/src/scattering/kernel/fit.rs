@@ -4,7 +4,16 @@ use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
-use super::{Coefficients, TERMS, sinc};
+/// Even Chebyshev terms per axis.
+pub(super) const TERMS: usize = 9;
+/// exp(−22) = 3e-10: the omitted part of the direct sum.
+pub(super) const EXPONENT_LIMIT: f64 = 22.0;
+/// Behind gates H is divided by a response of at least exp(−20), so that folded terms matter down to exp(−34).
+pub(super) const GATED_LIMIT: f64 = 34.0;
+/// Narrower kernels have long sums, so A is interpolated in γ.
+pub(super) const INTERPOLATED_BELOW: f64 = 0.3;
+
+pub(super) type Coefficients = [[f64; TERMS]; TERMS];
 
 /// The farthest term of the sums of kernels that are not interpolated: 12 for γ = 0.3.
 const FARTHEST_FOLD: i64 = 13;
@@ -54,6 +63,14 @@ impl Folds {
             }
         }
         sum
+    }
+}
+
+pub(super) fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-9 {
+        1.0
+    } else {
+        (PI * x).sin() / (PI * x)
     }
 }
 
@@ -119,7 +136,6 @@ pub(super) fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{EXPONENT_LIMIT, GATED_LIMIT, INTERPOLATED_BELOW};
     use super::*;
 
     #[test]
