@@ -169,6 +169,10 @@ fn pictures_that_no_stage_changes_come_back_in_every_order_of_channels() {
 #[test]
 fn a_short_deadline_coarsens_forward_scatter_and_keeps_the_choice() {
     let (camera, job) = (Camera::new(), json!({"water": {"optics": "jerlov-3C"}}));
+    let dark = Camera {
+        codes: vec![1; camera.codes.len()],
+        ..Camera::new()
+    };
     let terms = |frame: &StreamFrame| {
         let stages = frame.record.plan.as_array().expect("stages").iter();
         let scatter = stages.filter(|stage| {
@@ -186,11 +190,21 @@ fn a_short_deadline_coarsens_forward_scatter_and_keeps_the_choice() {
         ..StreamOptions::default()
     };
     let mut late = open_with(&job, options);
-    let frames = [0, 1].map(|stamp| late.render(&camera.input(stamp)).expect("a frame"));
+    let frames = [&camera, &dark].map(|camera| late.render(&camera.input(0)).expect("a frame"));
+    let chosen_anew = open_with(&job, options).render(&dark.input(0)).expect("a frame");
     assert!(
         2 * terms(&frames[0]) <= terms(&plain),
         "{}",
         frames[0].record.plan
     );
-    assert_eq!(frames[0].record.plan, frames[1].record.plan);
+    // Estimated changes are in the notes.
+    let estimates = |frame: &StreamFrame| {
+        let stages = frame.record.plan.as_array().expect("stages").iter();
+        let notes = stages.filter_map(|stage| stage["note"].as_str());
+        let notes = notes.filter(|note| note.contains("would change"));
+        notes.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(!estimates(&frames[0]).is_empty());
+    assert_eq!(estimates(&frames[0]), estimates(&frames[1]));
+    assert_ne!(estimates(&frames[0]), estimates(&chosen_anew));
 }

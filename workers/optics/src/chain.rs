@@ -77,30 +77,6 @@ pub fn water(
     Ok(layers(bands, holes))
 }
 
-/// A scene without water: all light is direct.
-#[must_use]
-pub fn air(radiance: &Rgb<f32>, cache: &mut KernelCache) -> Layers {
-    let (width, height) = radiance.size();
-    let join = |planes| Rgb::new(planes).expect("planes of one size");
-    let mut copy = || {
-        let planes = radiance.planes().each_ref().map(|plane| {
-            let mut data = cache.buffers.take(plane.data().len());
-            data.copy_from_slice(plane.data());
-            Plane::new(width, height, data).expect("the size of the scene")
-        });
-        join(planes)
-    };
-    // The system maps fresh zeros at their first use.
-    let zeros = || join([(); 3].map(|()| Plane::filled(width, height, 0.0f32)));
-    Layers {
-        direct: copy(),
-        forward_scatter: zeros(),
-        backscatter: zeros(),
-        scattered: copy(),
-        holes: 0,
-    }
-}
-
 impl KernelCache {
     /// Keeps the planes of unused layers for reuse in the next frame. Saves some milliseconds a frame and changes no result.
     pub fn recycle(&mut self, layers: Layers) {
@@ -110,13 +86,6 @@ impl KernelCache {
             layers.backscatter,
             layers.scattered,
         ] {
-            self.buffers.give(layer.into_planes().map(Plane::into_data));
-        }
-    }
-
-    /// The same for the layers of [`air`], without its zeros: they are not in memory yet.
-    pub fn recycle_air(&mut self, layers: Layers) {
-        for layer in [layers.direct, layers.scattered] {
             self.buffers.give(layer.into_planes().map(Plane::into_data));
         }
     }

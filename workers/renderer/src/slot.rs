@@ -207,10 +207,7 @@ impl Slot {
         let made = watch.time("files", || finish(context, &pictures, &mut record))?;
         record.timings_ms = watch.stop();
         drop(styled);
-        match context.setting.around {
-            Some(_) => self.kernels.recycle(taken.light.layers),
-            None => self.kernels.recycle_air(taken.light.layers),
-        }
+        self.kernels.recycle(taken.light.layers);
         Ok((made, record))
     }
 

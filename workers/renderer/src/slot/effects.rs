@@ -41,8 +41,8 @@ impl Slot {
             }
         };
         self.excluded.iter().for_each(|id| effects.exclude(*id));
+        context.apply(effects.clone(), &mut self.resources, watch);
         if let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity {
-            context.apply(effects.clone(), &mut self.resources, watch);
             let engine = &self.networks.engine;
             loop {
                 let excess_ms = expect_ms(&plan_frame(context, expected, None, engine)?) - budget_ms;
@@ -53,9 +53,8 @@ impl Slot {
             }
         }
         if let Some(kept) = &mut self.kept_effects {
-            kept.keep(context, &effects);
+            kept.keep(context, effects);
         }
-        context.apply(effects, &mut self.resources, watch);
         Ok(())
     }
 

@@ -3,8 +3,8 @@
 use crate::context::FrameContext;
 use crate::effects::Effects;
 
-/// Successive frames of a stream with a deadline that have the same effects: one to three seconds of a camera. Choosing them needs
-/// more time than rendering.
+/// Successive frames of a stream with a deadline that have the same effects: one to three seconds of a camera. Choosing them for each
+/// frame takes too long.
 const KEPT_FRAMES: u32 = 30;
 
 /// The effects of the last frames.
@@ -39,8 +39,8 @@ impl KeptEffects {
         (*shape == FrameShape::measure(context)).then(|| effects.clone())
     }
 
-    pub(super) fn keep(&mut self, context: &FrameContext<'_>, effects: &Effects) {
-        self.last = Some((FrameShape::measure(context), effects.clone()));
+    pub(super) fn keep(&mut self, context: &FrameContext<'_>, effects: Effects) {
+        self.last = Some((FrameShape::measure(context), effects));
         self.left = KEPT_FRAMES - 1;
     }
 }

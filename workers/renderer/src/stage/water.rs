@@ -33,7 +33,19 @@ pub(crate) fn run(
 ) -> Result<Layers, RenderError> {
     match (&context.setting.around, context.path()) {
         (Some(water), Some(path)) => Ok(chain::water(radiance, path, water, &context.plan, kernels)?),
-        _ => Ok(chain::air(radiance, kernels)),
+        _ => Ok(in_air(radiance)),
+    }
+}
+
+/// Without water all light is direct.
+fn in_air(radiance: &Rgb<f32>) -> Layers {
+    let nothing = radiance.map(|_| 0.0);
+    Layers {
+        direct: radiance.clone(),
+        forward_scatter: nothing.clone(),
+        backscatter: nothing,
+        scattered: radiance.clone(),
+        holes: 0,
     }
 }
 
