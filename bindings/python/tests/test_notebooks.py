@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import description
 from fathom import _native
-from fathom.client import AsyncSubmitted, Dataset, Submitted
+from fathom.client import AsyncSubmitted, Dataset, Rows, Submitted
 
 STATE = {
     "id": "job_" + "0" * 32,
@@ -74,6 +74,46 @@ def _shown() -> dict[str, tuple[Any, str]]:
             f"<fathom.AsyncSubmitted {STATE['id']}: <b>&tour, running, 3 of 9 frames, 1 failed>",
         ),
     }
+
+
+def _image_rows(count: int) -> Rows:
+    """Make rows with the usual columns and sixty others."""
+    others = {f"column_{number}": number / 7 for number in range(60)}
+    usual = {"dataset": "<b>tour", "water.optics": "jerlov-1C", "water.style": None, "uiqm": 0.123456789}
+    return Rows(others | usual | {"job": "job_1", "frame": frame} for frame in range(count))
+
+
+def test_rows_are_shown_as_a_short_table() -> None:
+    rows = _image_rows(12)
+    assert repr(rows) == (
+        "<fathom.Rows: 12 rows with job, dataset, frame, water.optics, water.style, uiqm and 60 more>"
+    )
+    html = rows._repr_html_()
+    assert Tags(html).names == {"div", "table", "caption", "tr", "th", "td"}
+    assert "12 rows; 5 of 66 columns" in html
+    assert "&lt;b&gt;tour" in html
+    assert "0.1235" in html
+    assert "column_3" not in html
+    assert len(html) < 4000
+
+
+def test_only_the_first_of_many_rows_are_shown() -> None:
+    rows = _image_rows(1000)
+    assert rows._repr_html_().count("<tr>") == 21
+    assert "1000 rows, the first 20 shown" in rows._repr_html_()
+    assert len(repr(rows)) < 100
+    assert repr(rows[:1]).startswith("<fathom.Rows: 1 row with job")
+    assert rows[3]["frame"] == 3
+    assert [row["frame"] for row in pickle.loads(pickle.dumps(rows[-2:]))] == [998, 999]
+
+
+def test_rows_of_other_lists_show_all_their_columns() -> None:
+    rows = Rows([{"name": "tour", "images": 24, "bytes": 18_706_982, "jobs": 1}])
+    assert repr(rows) == "<fathom.Rows: 1 row with name, images, bytes, jobs>"
+    assert "<caption>1 row</caption>" in rows._repr_html_()
+    assert "18706982" in rows._repr_html_()
+    assert repr(Rows()) == "<fathom.Rows: 0 rows>"
+    assert Tags(Rows()._repr_html_()).names == {"div", "table", "caption", "tr"}
 
 
 @pytest.mark.parametrize("name", list(_shown()))
