@@ -44,7 +44,16 @@ fn program(name: &str) -> PathBuf {
 /// If the binary cannot be started.
 #[must_use]
 pub fn run(arguments: &[&str]) -> Output {
-    run_program("fathom", arguments)
+    finish(&mut command("fathom", arguments))
+}
+
+/// Runs a command of `fathom` to completion, for a terminal of this width.
+///
+/// # Panics
+/// If the binary cannot be started.
+#[must_use]
+pub fn run_in_columns(columns: usize, arguments: &[&str]) -> Output {
+    finish(command("fathom", arguments).env("COLUMNS", columns.to_string()))
 }
 
 /// Runs a command of `fathom-lab` to completion.
@@ -53,7 +62,7 @@ pub fn run(arguments: &[&str]) -> Output {
 /// If the binary cannot be started.
 #[must_use]
 pub fn run_lab(arguments: &[&str]) -> Output {
-    run_program("fathom-lab", arguments)
+    finish(&mut command("fathom-lab", arguments))
 }
 
 /// Renders the photos of the muddy water, and returns the first.
@@ -73,15 +82,20 @@ pub fn muddy_photo(folder: &Path) -> PathBuf {
     photos.join("0/rgb.png")
 }
 
-fn run_program(name: &str, arguments: &[&str]) -> Output {
-    Command::new(program(name))
+fn command(name: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new(program(name));
+    command
         .args(arguments)
         .env_remove("FATHOM_TOKEN")
+        .env_remove("COLUMNS")
         // An unused port: a service on the default port is not part of the test.
         .env("FATHOM_SERVER", "http://127.0.0.1:9")
-        .current_dir(root())
-        .output()
-        .expect("the binary starts")
+        .current_dir(root());
+    command
+}
+
+fn finish(command: &mut Command) -> Output {
+    command.output().expect("the binary starts")
 }
 
 /// The digest of a job by `fathom render`, without any service.

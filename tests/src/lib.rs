@@ -22,7 +22,7 @@ pub use dice::Dice;
 pub use points::{SERVICE_POINTS, SMALL_JOB_FRAMES, small_job};
 pub use worker::Worker;
 
-pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
+pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_in_columns, run_lab};
 
 use client::{Http, HttpError, Reply};
 use serde_json::Value;

@@ -14,6 +14,7 @@ mod proof;
 mod reproduce;
 mod same_bytes;
 mod service;
+mod terminal;
 mod trained;
 mod typed_values;
 mod uploader;

@@ -24,6 +24,7 @@ pub mod sheet;
 pub mod signals;
 pub mod table;
 mod terminal;
+mod wrap;
 
 pub use options::{engine, import, remote, render, seal, styles, worker};
 

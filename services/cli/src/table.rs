@@ -1,10 +1,11 @@
-//! Text tables for people: words left, numbers right.
+//! Text tables for people: words on the left, numbers on the right.
 
 use client::ImageRow;
 use serde_json::Value;
 
 use crate::print::visible;
 use crate::terminal;
+use crate::wrap::{length, paragraph, wrap};
 
 /// The cell of a missing value.
 pub const DASH: &str = "–";
@@ -24,7 +25,7 @@ const LEAST_TEXT: usize = 24;
 /// Space between two columns.
 const GAP: usize = 2;
 
-/// Lays out the columns in the width of the terminal: the last text is wrapped, or else columns on the right are left out and named.
+/// Lays out the columns in the width of the terminal: wide texts are wrapped, or else columns on the right are left out and named.
 fn columns(header: &[&str], rows: &[Vec<String>], is_left: impl Fn(usize) -> bool) -> String {
     fit(header, rows, is_left, terminal::width())
 }
@@ -39,7 +40,7 @@ fn fit(
         .iter()
         .map(|row| row.iter().map(|cell| escape_cell(cell)).collect())
         .collect();
-    let mut widths: Vec<usize> = (0..header.len())
+    let natural: Vec<usize> = (0..header.len())
         .map(|column| {
             let cells = rows
                 .iter()
@@ -48,16 +49,7 @@ fn fit(
             cells.chain([length(header[column])]).max().unwrap_or(0)
         })
         .collect();
-    let limit = limit.unwrap_or(usize::MAX);
-    let total = |widths: &[usize]| widths.iter().sum::<usize>() + GAP * widths.len().saturating_sub(1);
-    let last = widths.len().saturating_sub(1);
-    let excess = total(&widths).saturating_sub(limit);
-    if excess > 0 && is_left(last) && widths[last] >= LEAST_TEXT + excess {
-        widths[last] -= excess;
-    }
-    while widths.len() > 1 && total(&widths) > limit {
-        widths.pop();
-    }
+    let widths = fit_widths(header, &natural, &is_left, limit.unwrap_or(usize::MAX));
     let layout = Layout {
         widths: &widths,
         is_left: &is_left,
@@ -71,9 +63,41 @@ fn fit(
     }
     let left_out = &header[widths.len()..];
     if !left_out.is_empty() {
-        lines.push(format!("not shown: {}; --wide shows all", left_out.join(", ")));
+        let names = format!("not shown: {}; --wide shows all", left_out.join(", "));
+        lines.push(paragraph(&names, 0, limit));
     }
     lines.join("\n")
+}
+
+/// The widths of as many columns as fit, at least one. Texts on the left give way, the widest first, down to `LEAST_TEXT`.
+fn fit_widths(
+    header: &[&str],
+    natural: &[usize],
+    is_left: &impl Fn(usize) -> bool,
+    limit: usize,
+) -> Vec<usize> {
+    let mut widths = natural.to_vec();
+    while !widths.is_empty() {
+        let room = limit.saturating_sub(GAP * (widths.len() - 1));
+        let least = |column: usize| match is_left(column) {
+            true => natural[column].min(LEAST_TEXT.min(limit).max(length(header[column]))),
+            false => natural[column],
+        };
+        let mut excess = widths.iter().sum::<usize>().saturating_sub(room);
+        while excess > 0 {
+            let wraps = (0..widths.len()).filter(|&column| widths[column] > least(column));
+            let Some(widest) = wraps.max_by_key(|&column| widths[column]) else {
+                break;
+            };
+            widths[widest] -= 1;
+            excess -= 1;
+        }
+        if excess == 0 || widths.len() == 1 {
+            return widths;
+        }
+        widths = natural[..widths.len() - 1].to_vec();
+    }
+    widths
 }
 
 /// Widths and sides of columns.
@@ -83,56 +107,36 @@ struct Layout<'a, F> {
 }
 
 impl<F: Fn(usize) -> bool> Layout<'_, F> {
-    /// The lines of a row: further ones hold the rest of its last text.
+    /// The lines of a row: further ones hold the rest of its wrapped texts.
     fn lines(&self, cells: &[&str]) -> Vec<String> {
-        let Some(last) = self.widths.len().checked_sub(1) else {
-            return vec![String::new()];
-        };
-        let texts = wrap(cells.get(last).copied().unwrap_or_default(), self.widths[last]);
-        let blank = vec![""; last];
-        let lines = texts.iter().enumerate().map(|(number, text)| {
-            let others = if number == 0 { cells } else { &blank };
-            let all = others.iter().copied().take(last).chain([text.as_str()]);
-            let padded = all.zip(self.widths).enumerate().map(|(column, (cell, &width))| {
-                if (self.is_left)(column) {
-                    format!("{cell:<width$}")
-                } else {
-                    format!("{cell:>width$}")
-                }
-            });
-            padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        let texts: Vec<Vec<String>> = self
+            .widths
+            .iter()
+            .enumerate()
+            .map(|(column, &width)| wrap(cells.get(column).copied().unwrap_or_default(), width))
+            .collect();
+        let height = texts.iter().map(Vec::len).max().unwrap_or(1);
+        (0..height).map(|line| self.line(&texts, line)).collect()
+    }
+
+    /// A line of a row whose cells are wrapped.
+    fn line(&self, texts: &[Vec<String>], line: usize) -> String {
+        let padded = texts.iter().zip(self.widths).enumerate();
+        let padded = padded.map(|(column, (text, &width))| {
+            let cell = text.get(line).map_or("", String::as_str);
+            if (self.is_left)(column) {
+                format!("{cell:<width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
         });
-        lines.collect()
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     }
 }
 
 /// A cell as it is shown: a line break in it would look like another row.
 pub(crate) fn escape_cell(cell: &str) -> String {
     visible(&cell.replace('\n', "\\n").replace('\t', " ")).into_owned()
-}
-
-fn length(text: &str) -> usize {
-    text.chars().count()
-}
-
-/// The lines of a text of at most this width, broken between words where possible.
-fn wrap(text: &str, width: usize) -> Vec<String> {
-    if length(text) <= width {
-        return vec![text.to_owned()];
-    }
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let line = lines.last_mut().expect("one line");
-        if line.is_empty() {
-            line.push_str(word);
-        } else if length(line) + 1 + length(word) <= width {
-            line.push(' ');
-            line.push_str(word);
-        } else {
-            lines.push(word.to_owned());
-        }
-    }
-    lines
 }
 
 /// Images as rows with these columns.
@@ -202,7 +206,8 @@ mod tests {
         );
         let narrow = fit(&header, &rows, |column| column == 0, Some(20));
         assert!(
-            narrow.starts_with("site   frames\n") && narrow.ends_with("not shown: summary; --wide shows all"),
+            narrow.starts_with("site   frames\n")
+                && narrow.ends_with("not shown: summary;\n--wide shows all"),
             "{narrow}"
         );
         assert!(
@@ -210,7 +215,23 @@ mod tests {
                 .lines()
                 .all(|line| !line.contains("not shown"))
         );
-        assert_eq!(wrap("incomprehensibilities", 5), ["incomprehensibilities"]);
+    }
+
+    #[test]
+    fn wide_names_are_wrapped_and_their_meaning_stays() {
+        let name = "enhance[](hscm, clahe, gray_world, onnx, chain).mask.saturated.dilation_px";
+        let row = [name, "px", "width of the border around saturated pixels"].map(str::to_owned);
+        let header = ["name", "unit", "meaning"];
+        let shown = fit(&header, &[row.to_vec()], |_| true, Some(60));
+        assert_eq!(
+            shown,
+            "name                        unit  meaning\n\
+             ──────────────────────────  ────  ──────────────────────────\n\
+             enhance[](hscm, clahe,      px    width of the border around\n\
+             gray_world, onnx,                 saturated pixels\n\
+             chain).mask.saturated.\n\
+             dilation_px"
+        );
     }
 
     #[test]

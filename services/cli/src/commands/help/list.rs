@@ -5,6 +5,8 @@ use cli::exit::Failure;
 use cli::remote::ServerArguments;
 use cli::styles::StyleArguments;
 use cli::table::text_table;
+use cli::terminal::text_width;
+use cli::wrap::paragraph;
 use client::Client;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -66,9 +68,9 @@ fn print_lists(as_json: bool) {
         .map(|list: &List| vec![list.name.to_owned(), list.about.to_owned(), list.path()])
         .collect();
     println!("{}", text_table(&["list", "what it names", "endpoint"], &rows));
-    println!(
-        "\nfathom list NAME prints one of them; docs/reference/identifiers.md describes where each is used."
-    );
+    let hint =
+        "fathom list NAME prints one of them; docs/reference/identifiers.md describes where each is used.";
+    println!("\n{}", paragraph(hint, 0, text_width()));
 }
 
 /// The entries as a table with the columns that any of them fills.

@@ -7,6 +7,8 @@ use cli::exit::Failure;
 use cli::job;
 use cli::styles::StyleArguments;
 use cli::table::{cell, table};
+use cli::terminal::text_width;
+use cli::wrap::paragraph;
 use optics::plan::Stage;
 use renderer::{Engine, SceneSource, Slot};
 use serde_json::json;
@@ -69,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     print_remarks("Notes", &of_stages(|stage| stage.note.clone()));
     print_remarks("Model errors", &of_stages(Stage::printed_model_error));
     if let Some(promise) = promise {
-        println!("\n{}", promise.text);
+        println!("\n{}", paragraph(&promise.text, 0, text_width()));
         if let Some(reason) = promise.exceeds {
             eprintln!("warning: the plan exceeds the tolerance: {reason}");
         }
@@ -105,7 +107,8 @@ fn print_remarks(title: &str, remarks: &[Remark]) {
     }
     println!("\n{title}:");
     for Remark { stages, text } in remarks {
-        println!("  {}: {text}", stages.join(", "));
+        let remark = format!("  {}: {text}", stages.join(", "));
+        println!("{}", paragraph(&remark, 4, text_width()));
     }
 }
 
