@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import difflib
+import operator
 import os
 from collections.abc import Iterable, Sequence
 from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from fathom import _native
 from fathom.errors import InvalidArgument
 
 MOST_LISTED = 8
 """Names that a message lists at most."""
+MOST_STAMP_NS = 2**64 - 1
+"""Latest stamp."""
 
 
 def list_names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
@@ -62,6 +68,33 @@ def find_nearest(name: str, known: Sequence[str]) -> str | None:
     lowered = {other.lower(): other for other in reversed(known)}
     near = difflib.get_close_matches(name.lower(), lowered, n=1)
     return lowered[near[0]] if near else None
+
+
+def read_stamp(stamp_ns: int | None) -> int | None:
+    """Return the nanoseconds of a stamp. Raises `InvalidArgument` for other values."""
+    if stamp_ns is None:
+        return None
+    try:
+        stamp = operator.index(stamp_ns)
+    except TypeError:
+        raise InvalidArgument(f"`stamp_ns` is {stamp_ns!r}; must be a whole number of nanoseconds") from None
+    if not 0 <= stamp <= MOST_STAMP_NS:
+        raise InvalidArgument(f"`stamp_ns` is {stamp}; must be 0 to {MOST_STAMP_NS}")
+    return stamp
+
+
+def read_matrix(name: str, given: ArrayLike | None, side: int) -> list[list[float]] | None:
+    """Return the rows of a square matrix, also from one flat list of its numbers."""
+    if given is None:
+        return None
+    try:
+        matrix = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidArgument(f"`{name}` is {given!r}; must be a {side}×{side} matrix of numbers") from None
+    if matrix.shape not in ((side, side), (side * side,)):
+        raise InvalidArgument(f"`{name}` has the shape {matrix.shape}; must be ({side}, {side})")
+    rows: list[list[float]] = matrix.reshape(side, side).tolist()
+    return rows
 
 
 @cache

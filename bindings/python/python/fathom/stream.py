@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import operator
 import os
 import warnings as _warnings
 from collections.abc import Mapping, Sequence
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fathom import _native
-from fathom.arguments import list_paths
+from fathom.arguments import list_paths, read_matrix, read_stamp
 from fathom.display import encode_thumbnail, html_table
 from fathom.errors import InvalidArgument
 from fathom.frame import Artifact
@@ -24,7 +23,6 @@ Channels = Literal["rgb", "bgr", "rgba", "bgra", "mono"]
 """Order of the samples of a pixel."""
 
 _ENHANCED = "enhanced."
-_MOST_STAMP_NS = 2**64 - 1
 _NOT_APPLIED = ("artifacts", "enhance", "metrics")
 
 
@@ -184,9 +182,9 @@ class Stream:
             rgb,
             channels,
             depth,
-            _read_matrix("camera", camera, 3),
-            _read_stamp(stamp_ns),
-            _read_matrix("pose", pose, 4),
+            read_matrix("camera", camera, 3),
+            read_stamp(stamp_ns),
+            read_matrix("pose", pose, 4),
         )
         return StreamFrame(dict(artifacts), record, error_bound, elapsed_ms)
 
@@ -221,29 +219,3 @@ def apply(
     for warning in frame.warnings:
         _warnings.warn(warning, stacklevel=2)
     return frame.rgb
-
-
-def _read_stamp(stamp_ns: int | None) -> int | None:
-    if stamp_ns is None:
-        return None
-    try:
-        stamp = operator.index(stamp_ns)
-    except TypeError:
-        raise InvalidArgument(f"`stamp_ns` is {stamp_ns!r}; must be a whole number of nanoseconds") from None
-    if not 0 <= stamp <= _MOST_STAMP_NS:
-        raise InvalidArgument(f"`stamp_ns` is {stamp}; must be 0 to {_MOST_STAMP_NS}")
-    return stamp
-
-
-def _read_matrix(name: str, given: ArrayLike | None, side: int) -> list[list[float]] | None:
-    """Return the rows of a square matrix, also from one flat list of its numbers."""
-    if given is None:
-        return None
-    try:
-        matrix = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidArgument(f"`{name}` is {given!r}; must be a {side}×{side} matrix of numbers") from None
-    if matrix.shape not in ((side, side), (side * side,)):
-        raise InvalidArgument(f"`{name}` has the shape {matrix.shape}; must be ({side}, {side})")
-    rows: list[list[float]] = matrix.reshape(side, side).tolist()
-    return rows

@@ -14,7 +14,8 @@ from typing import Any, TypeVar
 import httpx
 
 from fathom.arguments import list_kinds
-from fathom.client import calls, exports, uploads
+from fathom.client import calls, deletion, exports, imports
+from fathom.client.aio_scene_methods import AsyncSceneMethods
 from fathom.client.calls import Description
 from fathom.client.connection import Attempts, Connection
 from fathom.client.dataset import Dataset
@@ -22,18 +23,15 @@ from fathom.client.known import find_job
 from fathom.client.loops import LoopClients
 from fathom.client.protocol import Call, Request
 from fathom.client.rows import Rows
-from fathom.client.scene import Scene
-from fathom.client.state import JobState
-from fathom.client.uploads import Classes, Picture, Pose
+from fathom.client.submitted import AsyncSubmitted
 from fathom.display import html_table
-from fathom.errors import FathomError, JobTimeout
+from fathom.errors import FathomError
 from fathom.frame import Frame
-from fathom.training import Photo, choose_license
 
 T = TypeVar("T")
 
 
-class AsyncClient:
+class AsyncClient(AsyncSceneMethods):
     """A connection to a service; see `Client`, whose methods it has."""
 
     def __init__(self, server: str | None = None, *, token: str | None = None) -> None:
@@ -86,12 +84,16 @@ class AsyncClient:
                 return self._connection.check(response)
             await asyncio.sleep(pause)
 
-    async def submit(self, description: Description, *, key: str | None = None) -> AsyncSubmitted:
+    async def submit(self, description: Description, *, key: str | None = None, again: bool = False) -> AsyncSubmitted:
         """Submit a job. Warnings of the service are warnings of Python."""
-        submitted = AsyncSubmitted(self, await self._run(calls.submit(description, key)))
+        submitted = AsyncSubmitted(self, await self._run(calls.submit(description, key, again)))
         for warning in submitted.state.get("warnings") or ():
             warnings.warn(warning, stacklevel=2)
         return submitted
+
+    async def dry_run(self, description: Description, *, frames: int = 0) -> dict[str, Any]:
+        """Check a job as `submit` does, without submitting it, and return its price."""
+        return await self._run(calls.dry_run(description, frames))
 
     async def jobs(
         self, *, dataset: str | None = None, state: str | None = None, limit: int | None = None
@@ -105,7 +107,27 @@ class AsyncClient:
 
     async def cancel(self, id: str) -> AsyncSubmitted:
         """Cancel a job and return it; its images stay."""
-        return AsyncSubmitted(self, await self._run(calls.cancel(id)))
+        return AsyncSubmitted(self, await self._run(calls.control(id, "cancel")))
+
+    async def pause(self, id: str) -> AsyncSubmitted:
+        """Pause a job and return it; frames being rendered are finished."""
+        return AsyncSubmitted(self, await self._run(calls.control(id, "pause")))
+
+    async def resume(self, id: str) -> AsyncSubmitted:
+        """Resume a paused job and return it."""
+        return AsyncSubmitted(self, await self._run(calls.control(id, "resume")))
+
+    async def retry(self, id: str) -> AsyncSubmitted:
+        """Try the failed frames of a job again and return it."""
+        return AsyncSubmitted(self, await self._run(calls.control(id, "retry-failed")))
+
+    async def finish_elsewhere(self, id: str) -> AsyncSubmitted:
+        """Let workers of any version and kind of machine finish a job; images state their origin."""
+        return AsyncSubmitted(self, await self._run(calls.control(id, "finish-elsewhere")))
+
+    async def start_again(self, id: str) -> AsyncSubmitted:
+        """Remove the images of a job and render it from the beginning."""
+        return AsyncSubmitted(self, await self._run(calls.control(id, "start-again")))
 
     async def errors(self, id: str) -> Rows:
         """Return the failed frames of a job, a row each."""
@@ -141,6 +163,26 @@ class AsyncClient:
         """Make the next version of a dataset, such as `tour@1`, and return it."""
         return await self._run(calls.seal(dataset))
 
+    async def versions(self, dataset: str) -> Rows:
+        """Return the sealed versions of a dataset."""
+        return await self._run(calls.versions(dataset))
+
+    async def verify(self, version: str, *, read_bytes: bool = False) -> dict[str, Any]:
+        """Compute the root of a sealed version such as `tour@1` again, and return whether it is `intact`."""
+        return await self._run(calls.verify(version, read_bytes))
+
+    async def delete(self, name: str) -> dict[str, Any]:
+        """Delete a dataset or a job with its images, a scene that no job uses, or the seal of a version."""
+        return await self._run(deletion.delete(name))
+
+    async def import_dataset(self, place: str | os.PathLike[str]) -> AsyncSubmitted:
+        """Import a sharded dataset, a folder of the service's machine or a URL, and return the job of its images."""
+        return AsyncSubmitted(self, await self._run(imports.import_dataset(place)))
+
+    async def imports(self) -> Rows:
+        """Return the imported sharded datasets with their progress and errors."""
+        return await self._run(imports.imports())
+
     async def frame(self, job: str, frame: int, kinds: Sequence[str] | None = None) -> Frame:
         """Fetch an image with its record."""
         return await self._run(calls.frame(job, frame, kinds))
@@ -166,62 +208,6 @@ class AsyncClient:
 
     def _begin(self, row: Mapping[str, Any], kinds: Sequence[str] | None) -> asyncio.Task[Frame]:
         return asyncio.create_task(self.frame(row["job"], row["frame"], kinds))
-
-    async def upload(
-        self,
-        rgb: Picture,
-        *,
-        range: Picture | None = None,
-        z_depth: Picture | None = None,
-        instances: Picture | None = None,
-        classes: Classes | None = None,
-        pose: Pose | None = None,
-        unit_m: float | None = None,
-        invalid_code: int | None = None,
-        focal_px: float | None = None,
-        hfov_deg: float | None = None,
-        cx: float | None = None,
-        cy: float | None = None,
-        scale: float | None = None,
-        collection: str | None = None,
-        name: str | None = None,
-    ) -> Scene:
-        """Upload a scene and return its id, which has the `summary` of its files.
-
-        Its `notes` are warnings of Python.
-        """
-        parts = {"rgb": rgb, "range": range, "z_depth": z_depth, "instances": instances}
-        values = {
-            "collection": collection,
-            "name": name,
-            "unit_m": unit_m,
-            "invalid_code": invalid_code,
-            "focal_px": focal_px,
-            "hfov_deg": hfov_deg,
-            "cx": cx,
-            "cy": cy,
-            "scale": scale,
-        }
-        scene = await self._run(uploads.upload(parts, classes, pose, values))
-        for note in scene.notes:
-            warnings.warn(note, stacklevel=2)
-        return scene
-
-    async def train(
-        self,
-        photos: Photo | Sequence[Photo],
-        name: str,
-        *,
-        steps: int | None = None,
-        seed: int | None = None,
-        range: bool = False,
-        license: str | None = None,
-        licence: str | None = None,
-    ) -> dict[str, Any]:
-        """Train a style water on the service and wait for it."""
-        # The service stores the license under this name.
-        options = {"steps": steps, "seed": seed, "range": range or None, "licence": choose_license(license, licence)}
-        return await self._run(uploads.train(photos, name, options))
 
     async def dataset(self, name: str, filter: str = "") -> Dataset:
         """Return the images of a dataset, for `fathom.open`. Raises `Problem` for an unknown name."""
@@ -255,42 +241,25 @@ class AsyncClient:
             license=license,
         )
 
-
-class AsyncSubmitted(JobState):
-    """A job of a service."""
-
-    def __init__(self, client: AsyncClient, state: dict[str, Any]) -> None:
-        super().__init__(state)
-        self._client = client
-
-    async def wait(self, *, timeout: float | None = None, progress: bool = True) -> AsyncSubmitted:
-        """Wait until it has ended. After `timeout` seconds raises `fathom.JobTimeout`; the job continues."""
-        try:
-            self.state = await self._client._run(calls.wait(self.state, progress, timeout))
-        except JobTimeout as late:
-            self.state = late.state
-            raise
-        return self
-
-    async def cancel(self) -> AsyncSubmitted:
-        """Cancel it; its images stay."""
-        self.state = await self._client._run(calls.cancel(self.id))
-        return self
-
-    async def finish_elsewhere(self) -> AsyncSubmitted:
-        """Let workers of any version and kind of machine finish it; images state their origin."""
-        self.state = await self._client._run(calls.finish_elsewhere(self.id))
-        return self
-
-    async def start_again(self) -> AsyncSubmitted:
-        """Remove its images and render it from the beginning."""
-        self.state = await self._client._run(calls.start_again(self.id))
-        return self
-
-    async def errors(self) -> Rows:
-        """Return its failed frames, a row each."""
-        return await self._client._run(calls.errors(self.id))
-
-    async def frame_warnings(self) -> list[dict[str, Any]]:
-        """Return the warnings of its frames, the most frequent first: `warning`, `frames`, `first_frame`."""
-        return await self._client._run(calls.frame_warnings(self.id))
+    async def sheet(
+        self,
+        dataset: str,
+        out: str | os.PathLike[str],
+        *,
+        kind: str = "rgb",
+        filter: str = "",
+        order_by: str | None = None,
+        limit: int = 24,
+    ) -> Path:
+        """Draw a contact sheet of a dataset into a PNG, JPEG or WebP file, and return the file."""
+        return await asyncio.to_thread(
+            exports.draw_sheet,
+            self.server,
+            self.token,
+            dataset,
+            out,
+            kind=kind,
+            filter=filter,
+            order_by=order_by,
+            limit=limit,
+        )

@@ -9,15 +9,25 @@ import time
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import httpx
 
 from fathom.arguments import list_kinds, list_names
-from fathom.client.connection import PATIENCE_S
-from fathom.client.known import check_dataset, describe_dataset_problem, find_job, find_job_id
+from fathom.client import imports
+from fathom.client.connection import PATIENCE_S, VERIFY_TIMEOUT
+from fathom.client.known import (
+    check_dataset,
+    describe_collection_problem,
+    describe_dataset_problem,
+    find_job,
+    find_job_id,
+    request_about_dataset,
+    split_version,
+)
 from fathom.client.protocol import WAIT_S, Call, Request, get, list_pages, path_part, read_json
 from fathom.client.rows import Rows
+from fathom.client.scene import Scene
 from fathom.errors import JobTimeout, Problem
 from fathom.frame import Frame
 from fathom.job import Job
@@ -28,19 +38,37 @@ PARALLEL = 8
 """Default number of parallel artifact requests."""
 
 Description: TypeAlias = "Job | Mapping[str, Any] | str | os.PathLike[str]"
+Action: TypeAlias = Literal["cancel", "finish-elsewhere", "pause", "resume", "retry-failed", "start-again"]
+"""A change of the state of a job, as the service names it."""
 
 
-def submit(description: Description, key: str | None) -> Call[dict[str, Any]]:
+def submit(description: Description, key: str | None, again: bool) -> Call[dict[str, Any]]:
     """Submit a job; repeating it with the same key is harmless."""
-    if isinstance(description, Job):
-        body: str | bytes = description.canonical
-    elif isinstance(description, Mapping):
-        body = json.dumps(description)
-    else:
-        body = Path(description).read_bytes()
-    sent = {"Content-Type": "application/json", "Idempotency-Key": key or str(uuid.uuid4())}
-    job: dict[str, Any] = read_json((yield Request("POST", "/v1/jobs", {"content": body, "headers": sent})))
+    options = _json_body(description, {"Idempotency-Key": key or str(uuid.uuid4())})
+    if again:
+        options["params"] = {"again": "true"}
+    job: dict[str, Any] = read_json((yield Request("POST", "/v1/jobs", options)))
     return job
+
+
+def dry_run(description: Description, frames: int) -> Call[dict[str, Any]]:
+    """Check a job and request its price without submitting it."""
+    options = _json_body(description, {}) | {"params": {"frames": frames}}
+    preview: dict[str, Any] = read_json((yield Request("POST", "/v1/jobs/preview", options)))
+    return preview
+
+
+def read_body(description: Description) -> str | bytes:
+    """Return a description as JSON."""
+    if isinstance(description, Job):
+        return description.canonical
+    if isinstance(description, Mapping):
+        return json.dumps(description)
+    return Path(description).read_bytes()
+
+
+def _json_body(description: Description, headers: Mapping[str, str]) -> dict[str, Any]:
+    return {"content": read_body(description), "headers": {"Content-Type": "application/json", **headers}}
 
 
 def jobs(dataset: str | None, state: str | None, limit: int | None) -> Call[list[dict[str, Any]]]:
@@ -56,21 +84,9 @@ def datasets() -> Call[Rows]:
     return Rows((yield from list_pages("/v1/datasets")))
 
 
-def cancel(job: str) -> Call[dict[str, Any]]:
-    """Cancel a job."""
-    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", "cancel")))
-    return state
-
-
-def finish_elsewhere(job: str) -> Call[dict[str, Any]]:
-    """Let workers of any kind finish a job."""
-    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", "finish-elsewhere")))
-    return state
-
-
-def start_again(job: str) -> Call[dict[str, Any]]:
-    """Remove the images of a job and render it from the beginning."""
-    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", "start-again")))
+def control(job: str, action: Action) -> Call[dict[str, Any]]:
+    """Change the state of a job and return it."""
+    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", action)))
     return state
 
 
@@ -96,14 +112,15 @@ def wait(job: Mapping[str, Any], progress: bool, timeout: float | None) -> Call[
     deadline = math.inf if timeout is None else time.monotonic() + timeout
     bar = Progress(str(job["dataset"]), int(job["frames"]), progress)
     state: dict[str, Any] = dict(job)
-    is_first = True
+    is_first, warned = True, None
     while state["state"] in ("queued", "running", "paused"):
         left = max(deadline - time.monotonic(), 0.0)
         if timeout is not None and left == 0.0 and not is_first:
             raise JobTimeout(state, timeout)
         is_first = False
         # Whole seconds are the unit of the service.
-        hold_s = min(WAIT_S, math.ceil(left)) if math.isfinite(left) else WAIT_S
+        longest_s = imports.WAIT_S if job.get("set") else WAIT_S
+        hold_s = min(longest_s, math.ceil(left)) if math.isfinite(left) else longest_s
         try:
             state = yield from get(
                 f"/v1/jobs/{state['id']}", wait=hold_s, since=state["version"], patience_s=min(left, PATIENCE_S)
@@ -113,6 +130,8 @@ def wait(job: Mapping[str, Any], progress: bool, timeout: float | None) -> Call[
                 raise
             raise JobTimeout(state, timeout) from problem
         bar.set(state["done"] + state["failed"])
+        if job.get("set"):
+            warned = yield from imports.check_import(job, warned)
     return state
 
 
@@ -157,12 +176,35 @@ def stats(datasets: Sequence[str], metrics: Sequence[str], by: Sequence[str], fi
 
 def seal(dataset: str) -> Call[dict[str, Any]]:
     """Make the next version of a dataset."""
-    try:
-        response = yield Request("POST", f"/v1/datasets/{path_part(dataset)}/versions")
-    except Problem as problem:
-        raise (yield from describe_dataset_problem(dataset, problem)) from None
-    version: dict[str, Any] = read_json(response)
+    request = Request("POST", f"/v1/datasets/{path_part(dataset)}/versions")
+    version: dict[str, Any] = read_json((yield from request_about_dataset(dataset, request)))
     return version
+
+
+def versions(dataset: str) -> Call[Rows]:
+    """List the sealed versions of a dataset."""
+    request = Request("GET", f"/v1/datasets/{path_part(dataset)}/versions")
+    return Rows(read_json((yield from request_about_dataset(dataset, request)))["items"])
+
+
+def verify(version: str, read_bytes: bool) -> Call[dict[str, Any]]:
+    """Compute the root of a sealed version again."""
+    dataset, number = split_version(version)
+    path = f"/v1/datasets/{path_part(dataset)}/versions/{number}/verify"
+    options = {"json": {"bytes": read_bytes}, "timeout": VERIFY_TIMEOUT}
+    found: dict[str, Any] = read_json((yield from request_about_dataset(version, Request("POST", path, options))))
+    return found
+
+
+def scenes(collection: str | None, limit: int | None) -> Call[list[Scene]]:
+    """List uploaded scenes, the newest first, or those of a collection in its order."""
+    if collection is None:
+        return [Scene(row) for row in (yield from list_pages("/v1/scenes", limit=limit))]
+    try:
+        page = yield from get(f"/v1/collections/{path_part(collection)}")
+    except Problem as problem:
+        raise (yield from describe_collection_problem(collection, problem)) from None
+    return [Scene(row) for row in page["items"][:limit]]
 
 
 def frame(job: str, number: int, kinds: Sequence[str] | None) -> Call[Frame]:
@@ -176,3 +218,21 @@ def frame(job: str, number: int, kinds: Sequence[str] | None) -> Call[Frame]:
         response = yield Request("GET", f"{path}/artifacts/{kind}")
         files[kind] = decode_artifact(kind, response.content)
     return Frame(number, files, json.dumps(record))
+
+
+def waters() -> Call[Rows]:
+    """List the optical waters."""
+    return Rows((yield from get("/v1/waters"))["items"])
+
+
+def add_water(water: Mapping[str, Any] | str | os.PathLike[str]) -> Call[dict[str, Any]]:
+    """Add a custom water: a mapping or the path of a JSON file."""
+    text = json.dumps(water) if isinstance(water, Mapping) else Path(water).read_bytes()
+    options = {"content": text, "headers": {"Content-Type": "application/json"}}
+    added: dict[str, Any] = read_json((yield Request("POST", "/v1/waters", options)))
+    return added
+
+
+def styles(role: str | None) -> Call[Rows]:
+    """List the networks: style waters, enhancers and metrics."""
+    return Rows((yield from get("/v1/styles", role=role))["items"])

@@ -14,6 +14,8 @@ from fathom.errors import FathomError, InvalidJob, Problem, Unreachable
 SERVER = "http://127.0.0.1:7311"
 TIMEOUT = httpx.Timeout(90, connect=5)
 """Longer than the service holds a request back: beyond it the connection is dead."""
+VERIFY_TIMEOUT = httpx.Timeout(330, connect=5)
+"""Longer than the service reads the bytes of a version, five minutes."""
 PATIENCE_S = 60.0
 """How long a request is repeated while the service is overloaded or its catalogue is locked."""
 LONGEST_PAUSE_S = 10.0

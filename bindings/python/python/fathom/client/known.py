@@ -6,12 +6,14 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+import httpx
+
 from fathom.arguments import MOST_LISTED, find_nearest
-from fathom.client.protocol import Call, get, list_pages, path_part
+from fathom.client.protocol import Call, Request, get, list_pages, path_part
 from fathom.errors import InvalidArgument, Problem
 
 _JOB_ID = re.compile(r"job_[0-9a-f]{32}")
-_VERSION = re.compile(r"(?P<dataset>.+)@\d+")
+_VERSION = re.compile(r"(?P<dataset>.+)@(?P<number>\d+)")
 
 
 def find_job(job: str) -> Call[dict[str, Any]]:
@@ -32,6 +34,11 @@ def find_job_id(job: str) -> Call[str]:
     if _JOB_ID.fullmatch(job):
         return job
     return str((yield from _find_job_by_prefix(job))["id"])
+
+
+def is_job_id(name: str) -> bool:
+    """Whether a name is the whole id of a job."""
+    return _JOB_ID.fullmatch(name) is not None
 
 
 def _find_job_by_prefix(job: str) -> Call[dict[str, Any]]:
@@ -57,6 +64,30 @@ def check_dataset(name: str) -> Call[None]:
         raise (yield from describe_dataset_problem(name, problem)) from None
 
 
+def request_about_dataset(name: str, request: Request) -> Call[httpx.Response]:
+    """Send a request about a dataset or sealed version. An unknown name is an error with the nearest known one."""
+    try:
+        return (yield request)
+    except Problem as problem:
+        raise (yield from describe_dataset_problem(name, problem)) from None
+
+
+def is_version(name: str) -> bool:
+    """Whether a name is that of a sealed version, such as `tour@1`."""
+    return _VERSION.fullmatch(name) is not None
+
+
+def split_version(version: str) -> tuple[str, int]:
+    """Return the dataset and the number of a sealed version such as `tour@1`."""
+    found = _VERSION.fullmatch(version)
+    if found is None:
+        raise InvalidArgument(
+            f"`version` is `{version}`; must be a sealed version such as {version}@1, "
+            f'which `client.versions("{version}")` lists'
+        )
+    return found["dataset"], int(found["number"])
+
+
 def describe_dataset_problem(name: str, problem: Problem) -> Call[Problem]:
     """Return the problem of a request about a dataset; for an unknown name with the known ones."""
     if problem.status != 404:
@@ -69,6 +100,14 @@ def describe_dataset_problem(name: str, problem: Problem) -> Call[Problem]:
     versions = yield from get(f"/v1/datasets/{path_part(version['dataset'])}/versions")
     sealed = [str(row["name"]) for row in versions["items"]]
     return _unknown(name, "sealed version", "sealed versions", sealed, sealed)
+
+
+def describe_collection_problem(name: str, problem: Problem) -> Call[Problem]:
+    """Return the problem of a request about a collection; for an unknown name with the known ones."""
+    if problem.status != 404:
+        return problem
+    names = [str(row["name"]) for row in (yield from get("/v1/collections"))["items"]]
+    return _unknown(name, "collection", "collections", names, names)
 
 
 def _describe_unknown_job(job: str, jobs: Sequence[dict[str, Any]]) -> Problem:

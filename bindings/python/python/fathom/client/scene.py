@@ -47,7 +47,13 @@ class Scene(str):
     @property
     def has_range(self) -> bool:
         """Whether it has distances, which water, snow and lamps need."""
-        return self.fields.get("range_digest") is not None
+        return (self.fields.get("range_digest") or self.fields.get("range_kind")) is not None
+
+    @property
+    def name(self) -> str | None:
+        """Its name in a collection, if it was listed by one."""
+        name = self.fields.get("name")
+        return None if name is None else str(name)
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -61,7 +67,8 @@ class Scene(str):
 
     def _describe(self) -> dict[str, str]:
         summary = self.summary
-        described = {"size": f"{self.width}×{self.height}"}
+        described = {} if self.name is None else {"name": self.name}
+        described["size"] = f"{self.width}×{self.height}"
         if summary.get("valid_share") is None:
             described["range"] = "range" if self.has_range else "no range"
         elif summary.get("nearest_m") is None:

@@ -15,25 +15,23 @@ from typing import Any, TypeVar
 import httpx
 
 from fathom.arguments import list_kinds
-from fathom.client import calls, exports, uploads
+from fathom.client import calls, deletion, exports, imports
 from fathom.client.calls import Description
 from fathom.client.connection import Attempts, Connection
 from fathom.client.dataset import Dataset
 from fathom.client.known import find_job
 from fathom.client.protocol import Call, Request
 from fathom.client.rows import Rows
-from fathom.client.scene import Scene
-from fathom.client.state import JobState
-from fathom.client.uploads import Classes, Picture, Pose
+from fathom.client.scene_methods import SceneMethods
+from fathom.client.submitted import Submitted
 from fathom.display import html_table
-from fathom.errors import FathomError, JobTimeout
+from fathom.errors import FathomError
 from fathom.frame import Frame
-from fathom.training import Photo, choose_license
 
 T = TypeVar("T")
 
 
-class Client:
+class Client(SceneMethods):
     """A connection to a service; it closes with `close`, a `with` block or the last reference to it.
 
     Refused requests raise `fathom.Problem`, refused jobs `fathom.InvalidJob`, requests without a response
@@ -90,15 +88,24 @@ class Client:
                 return self._connection.check(response)
             time.sleep(pause)
 
-    def submit(self, description: Description, *, key: str | None = None) -> Submitted:
+    def submit(self, description: Description, *, key: str | None = None, again: bool = False) -> Submitted:
         """Submit a job: a `Job`, a mapping or the path of a JSON file. The same `key` returns the same job.
 
-        Warnings of the service are warnings of Python.
+        With `again=True` it is rendered even if its dataset already has all of its images. Warnings of the service are
+        warnings of Python.
         """
-        submitted = Submitted(self, self._run(calls.submit(description, key)))
+        submitted = Submitted(self, self._run(calls.submit(description, key, again)))
         for warning in submitted.state.get("warnings") or ():
             warnings.warn(warning, stacklevel=2)
         return submitted
+
+    def dry_run(self, description: Description, *, frames: int = 0) -> dict[str, Any]:
+        """Check a job as `submit` does, without submitting it, and return its price.
+
+        The result has `frames`, `warnings` and the `estimate`: `seconds` on the `slots` of the service, `slot_seconds`,
+        `frame_seconds` and `bytes`. `first` holds the first `frames` frames, 0 to 100, with their values drawn.
+        """
+        return self._run(calls.dry_run(description, frames))
 
     def jobs(
         self, *, dataset: str | None = None, state: str | None = None, limit: int | None = None
@@ -115,7 +122,27 @@ class Client:
 
     def cancel(self, id: str) -> Submitted:
         """Cancel a job and return it; its images stay."""
-        return Submitted(self, self._run(calls.cancel(id)))
+        return Submitted(self, self._run(calls.control(id, "cancel")))
+
+    def pause(self, id: str) -> Submitted:
+        """Pause a job and return it; frames being rendered are finished."""
+        return Submitted(self, self._run(calls.control(id, "pause")))
+
+    def resume(self, id: str) -> Submitted:
+        """Resume a paused job and return it."""
+        return Submitted(self, self._run(calls.control(id, "resume")))
+
+    def retry(self, id: str) -> Submitted:
+        """Try the failed frames of a job again and return it."""
+        return Submitted(self, self._run(calls.control(id, "retry-failed")))
+
+    def finish_elsewhere(self, id: str) -> Submitted:
+        """Let workers of any version and kind of machine finish a job; images state their origin."""
+        return Submitted(self, self._run(calls.control(id, "finish-elsewhere")))
+
+    def start_again(self, id: str) -> Submitted:
+        """Remove the images of a job and render it from the beginning."""
+        return Submitted(self, self._run(calls.control(id, "start-again")))
 
     def errors(self, id: str) -> Rows:
         """Return the failed frames of a job, a row each."""
@@ -155,6 +182,38 @@ class Client:
         """Make the next version of a dataset, such as `tour@1`, which never changes, and return it with its `root`."""
         return self._run(calls.seal(dataset))
 
+    def versions(self, dataset: str) -> Rows:
+        """Return the sealed versions of a dataset."""
+        return self._run(calls.versions(dataset))
+
+    def verify(self, version: str, *, read_bytes: bool = False) -> dict[str, Any]:
+        """Compute the root of a sealed version such as `tour@1` again, from the records of all images.
+
+        The result is `intact` or not, with `root`, `computed` and the first 100 findings in `damaged`.
+        `read_bytes=True` also reads every artifact, which takes up to five minutes.
+        """
+        return self._run(calls.verify(version, read_bytes))
+
+    def delete(self, name: str) -> dict[str, Any]:
+        """Delete a dataset or a job with its images, a scene that no job uses, or the seal of a version.
+
+        A job is named by its whole id. Returns the numbers of deleted `jobs`, `images` and `bytes`. There is no
+        confirmation.
+        """
+        return self._run(deletion.delete(name))
+
+    def import_dataset(self, place: str | os.PathLike[str]) -> Submitted:
+        """Import a sharded dataset, a folder of the service's machine or a URL, and return the job of its images.
+
+        The place must be below a `--store` of the service, and the files stay there. Repeat the call to import new
+        shards. `wait` on the job raises `FathomError` if the import ends early.
+        """
+        return Submitted(self, self._run(imports.import_dataset(place)))
+
+    def imports(self) -> Rows:
+        """Return the imported sharded datasets with their progress and errors."""
+        return self._run(imports.imports())
+
     def frame(self, job: str, frame: int, kinds: Sequence[str] | None = None) -> Frame:
         """Fetch an image with its record; absent kinds: all that it has."""
         return self._run(calls.frame(job, frame, kinds))
@@ -177,68 +236,6 @@ class Client:
 
     def _begin(self, pool: ThreadPoolExecutor, row: Mapping[str, Any], kinds: Sequence[str] | None) -> Future[Frame]:
         return pool.submit(self.frame, row["job"], row["frame"], kinds)
-
-    def upload(
-        self,
-        rgb: Picture,
-        *,
-        range: Picture | None = None,
-        z_depth: Picture | None = None,
-        instances: Picture | None = None,
-        classes: Classes | None = None,
-        pose: Pose | None = None,
-        unit_m: float | None = None,
-        invalid_code: int | None = None,
-        focal_px: float | None = None,
-        hfov_deg: float | None = None,
-        cx: float | None = None,
-        cy: float | None = None,
-        scale: float | None = None,
-        collection: str | None = None,
-        name: str | None = None,
-    ) -> Scene:
-        """Upload a scene and return its id, which has the `summary` of its files. Its `notes` are warnings of Python.
-
-        Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
-        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` whole numbers, (H, W). `scale` is the
-        factor from the floats of `rgb` to linear light, where 1 is white. `classes` names the instances:
-        `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON file. `pose` is the pose of the
-        camera: the (4, 4) matrix from camera axes (right, down, ahead) to the world, or a JSON file. The camera is
-        `focal_px` or `hfov_deg`, with the principal point `cx`, `cy` in pixels. With a camera, the channel Z of an EXR
-        picture is its z-depth.
-        """
-        parts = {"rgb": rgb, "range": range, "z_depth": z_depth, "instances": instances}
-        values = {
-            "collection": collection,
-            "name": name,
-            "unit_m": unit_m,
-            "invalid_code": invalid_code,
-            "focal_px": focal_px,
-            "hfov_deg": hfov_deg,
-            "cx": cx,
-            "cy": cy,
-            "scale": scale,
-        }
-        scene = self._run(uploads.upload(parts, classes, pose, values))
-        for note in scene.notes:
-            warnings.warn(note, stacklevel=2)
-        return scene
-
-    def train(
-        self,
-        photos: Photo | Sequence[Photo],
-        name: str,
-        *,
-        steps: int | None = None,
-        seed: int | None = None,
-        range: bool = False,
-        license: str | None = None,
-        licence: str | None = None,
-    ) -> dict[str, Any]:
-        """Train a style water on the service, wait for it and return the training with its `state`."""
-        # The service stores the license under this name.
-        options = {"steps": steps, "seed": seed, "range": range or None, "licence": choose_license(license, licence)}
-        return self._run(uploads.train(photos, name, options))
 
     def dataset(self, name: str, filter: str = "") -> Dataset:
         """Return the images of a dataset, for `fathom.open`. Raises `Problem` for an unknown name."""
@@ -276,46 +273,20 @@ class Client:
             license=license,
         )
 
+    def sheet(
+        self,
+        dataset: str,
+        out: str | os.PathLike[str],
+        *,
+        kind: str = "rgb",
+        filter: str = "",
+        order_by: str | None = None,
+        limit: int = 24,
+    ) -> Path:
+        """Draw a contact sheet of a dataset into a PNG, JPEG or WebP file as `fathom sheet` does, and return the file.
 
-class Submitted(JobState):
-    """A job of a service."""
-
-    def __init__(self, client: Client, state: dict[str, Any]) -> None:
-        super().__init__(state)
-        self._client = client
-
-    def wait(self, *, timeout: float | None = None, progress: bool = True) -> Submitted:
-        """Wait until it has ended, with a progress bar on a terminal.
-
-        After `timeout` seconds, rounded up by less than one, raises `fathom.JobTimeout`, a `TimeoutError`; the job
-        continues.
+        `kind` is the artifact to show. Raises `CommandError`.
         """
-        try:
-            self.state = self._client._run(calls.wait(self.state, progress, timeout))
-        except JobTimeout as late:
-            self.state = late.state
-            raise
-        return self
-
-    def cancel(self) -> Submitted:
-        """Cancel it; its images stay."""
-        self.state = self._client._run(calls.cancel(self.id))
-        return self
-
-    def finish_elsewhere(self) -> Submitted:
-        """Let workers of any version and kind of machine finish it; images state their origin."""
-        self.state = self._client._run(calls.finish_elsewhere(self.id))
-        return self
-
-    def start_again(self) -> Submitted:
-        """Remove its images and render it from the beginning."""
-        self.state = self._client._run(calls.start_again(self.id))
-        return self
-
-    def errors(self) -> Rows:
-        """Return its failed frames, a row each."""
-        return self._client._run(calls.errors(self.id))
-
-    def frame_warnings(self) -> list[dict[str, Any]]:
-        """Return the warnings of its frames, the most frequent first: `warning`, `frames`, `first_frame`."""
-        return self._client._run(calls.frame_warnings(self.id))
+        return exports.draw_sheet(
+            self.server, self.token, dataset, out, kind=kind, filter=filter, order_by=order_by, limit=limit
+        )

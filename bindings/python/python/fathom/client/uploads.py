@@ -30,7 +30,7 @@ def upload(
     values: Mapping[str, float | str | None],
 ) -> Call[Scene]:
     """Upload a scene of `rgb`, `range`, `z_depth` and `instances`."""
-    files = {name: (name, _scene_file(name, part)) for name, part in parts.items() if part is not None}
+    files = {name: (name, read_scene_file(name, part)) for name, part in parts.items() if part is not None}
     # Distances along the axis need the camera. Without it the service responds with a note.
     has_camera = values.get("focal_px") is not None or values.get("hfov_deg") is not None
     if has_camera and not {"range", "z_depth"} & set(files) and has_distances(files["rgb"][1]):
@@ -39,8 +39,7 @@ def upload(
         text = json.dumps(classes).encode() if isinstance(classes, Mapping) else Path(classes).read_bytes()
         files["classes"] = ("classes", text)
     if pose is not None:
-        place = Path(pose).read_bytes() if isinstance(pose, (str, os.PathLike)) else _matrix(pose)
-        files["pose"] = ("pose", place)
+        files["pose"] = ("pose", read_pose(pose))
     data = {name: str(value) for name, value in values.items() if value is not None}
     return Scene(read_json((yield Request("POST", "/v1/scenes", {"files": files, "data": data}))))
 
@@ -48,7 +47,7 @@ def upload(
 def train(photos: Photo | Sequence[Photo], name: str, options: Mapping[str, Any]) -> Call[dict[str, Any]]:
     """Train a style water on the service and follow it to its end."""
     given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
-    files = [("photo", ("photo", _scene_file("photo", photo))) for photo in given]
+    files = [("photo", ("photo", read_scene_file("photo", photo))) for photo in given]
     data = {"name": name} | {key: _form_value(value) for key, value in options.items() if value is not None}
     training: dict[str, Any] = read_json((yield Request("POST", "/v1/styles/train", {"files": files, "data": data})))
     while training["state"] in ("queued", "running"):
@@ -60,15 +59,17 @@ def _form_value(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _matrix(pose: Any) -> bytes:
-    """Return the matrix of a pose as JSON."""
+def read_pose(pose: Pose) -> bytes:
+    """Return a pose as JSON, a file unchanged."""
+    if isinstance(pose, (str, os.PathLike)):
+        return Path(pose).read_bytes()
     matrix = np.asarray(pose, dtype=np.float64)
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
         raise ValueError(f"pose has shape {matrix.shape} but a finite matrix of (4, 4) is needed")
     return json.dumps({"world_from_camera": matrix.tolist()}).encode()
 
 
-def _scene_file(name: str, part: Picture) -> bytes:
+def read_scene_file(name: str, part: Picture) -> bytes:
     """Return the file of a part: uint8 and uint16 as PNG, other types as NPY."""
     if not isinstance(part, np.ndarray):
         return Path(part).read_bytes()
