@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import fathom
 from conftest import BINARY
+from fathom.client import Submitted
+
+ROOT = Path(__file__).parents[3]
 
 
 def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -41,3 +45,17 @@ def test_the_exit_status_is_that_of_the_binary(tmp_path: Path) -> None:
     assert "/alpha" in wrong.stderr
     assert _run("no-such-command").returncode == 2
     assert _run("--help").returncode == 0
+
+
+def test_the_guide_names_the_counterpart_of_every_command() -> None:
+    page = (ROOT / "docs/guide/python.md").read_text(encoding="utf-8")
+    reference = (ROOT / "docs/reference/command-line.md").read_text(encoding="utf-8")
+    table = page.split("| command | Python |", 1)[1].split("\n\n", 1)[0].splitlines()[2:]
+    named = [name for row in table for name in re.findall(r"`([^`]+)`", row.split(" | ", 1)[0])]
+    assert len(named) == len(set(named))
+    assert set(named) == set(re.findall(r"^### fathom (.+)$", reference, re.MULTILINE))
+    client = fathom.Client("http://127.0.0.1:9")
+    owners = {"client": client, "job": Submitted(client, {}), "fathom": fathom}
+    calls = [match for row in table for match in re.findall(r"\b(client|job|fathom)\.(\w+)", row)]
+    assert len(calls) > 40
+    assert [f"{owner}.{name}" for owner, name in calls if not callable(getattr(owners[owner], name, None))] == []
