@@ -43,7 +43,7 @@ environment "$oldest" "${found[0]}" 'numpy<2' httpx==0.28.1 pytest==9.2.0
 environment "$newest" "${found[-1]}" numpy httpx==0.28.1 pytest==9.2.0 mypy==2.4.1 jax==0.12.0.1 onnx==1.23.2 pandas pyarrow nbformat \
     jsonschema==4.26.0 openapi-spec-validator==0.9.0 openapi-python-client==0.29.1 \
     webdataset==1.0.2 datasets==5.2.0 pillow albumentations==2.0.8 pycocotools==2.0.11 mlcroissant==1.1.1 pyyaml==6.0.3 \
-    rosbags==0.11.9 av==19.0.2 mcap==1.6.0 mcap-ros2-support==0.6.0
+    rosbags==0.11.9 av==19.0.2 mcap==1.6.0 mcap-ros2-support==0.6.0 s3fs==2026.9.0 matplotlib==3.11.2
 
 cd bindings/python
 export FATHOM=${FATHOM:-$target/release/fathom} PYTHONDONTWRITEBYTECODE=1

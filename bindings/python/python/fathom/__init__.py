@@ -22,6 +22,8 @@ from fathom.errors import (
     InvalidArgument,
     InvalidJob,
     JobTimeout,
+    MissingFrames,
+    MissingPackage,
     Problem,
     RenderError,
     Unreachable,
@@ -52,6 +54,8 @@ __all__ = [
     "InvalidJob",
     "Job",
     "JobTimeout",
+    "MissingFrames",
+    "MissingPackage",
     "Problem",
     "RenderError",
     "Source",
@@ -110,8 +114,13 @@ def _job(job: Job | Mapping[str, Any] | str | os.PathLike[str]) -> Job:
 def __getattr__(name: str) -> Any:
     # httpx is needed for these alone.
     if name in ("Client", "AsyncClient"):
-        from fathom import client
-
+        try:
+            from fathom import client
+        except ModuleNotFoundError as error:
+            if error.name != "httpx":
+                raise
+            message = f"`fathom.{name}` needs httpx, which is not installed; run: pip install 'fathom-datasets[client]'"
+            raise MissingPackage(message, name="httpx") from error
         return getattr(client, name)
     raise AttributeError(f"module `fathom` has no attribute `{name}`")
 

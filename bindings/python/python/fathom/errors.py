@@ -81,6 +81,14 @@ class InvalidArgument(FathomError, ValueError):
     """An argument with an unknown name or of the wrong type."""
 
 
+class MissingPackage(FathomError, ImportError):
+    """A Python package that a call needs and that is not installed."""
+
+
+class MissingFrames(FathomError, FileNotFoundError):
+    """A place without stored frames."""
+
+
 class Unreachable(FathomError, ConnectionError):
     """A request without a response of the service: no connection, one that broke off, or a failing proxy."""
 

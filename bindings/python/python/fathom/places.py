@@ -10,6 +10,8 @@ from typing import Any, Protocol
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
+from fathom.errors import InvalidArgument, MissingPackage
+
 ReadRange = Callable[[int, int], bytes]
 """Returns a range of a file by its begin and length."""
 
@@ -89,11 +91,7 @@ class Remote:
 
     def _open(self) -> tuple[Any, str]:
         if self._files is None or self._files[0] != os.getpid():
-            try:
-                import fsspec
-            except ImportError as error:
-                raise ImportError(f"{self.url} is read by fsspec: pip install fathom-datasets[buckets]") from error
-            self._files = os.getpid(), *fsspec.url_to_fs(self.url)
+            self._files = os.getpid(), *_open_url(self.url)
         return self._files[1:]
 
     def read(self, name: str, begin: int, length: int) -> bytes:
@@ -125,6 +123,25 @@ class Remote:
     def open_file(self, name: str) -> Iterator[ReadRange]:
         """Read every range of a file in a separate request."""
         yield lambda begin, length: self.read(name, begin, length)
+
+
+def _open_url(url: str) -> tuple[Any, str]:
+    """Return the file system of a URL, and its path there. Raises `MissingPackage` and `InvalidArgument`."""
+    try:
+        import fsspec
+
+        files, path = fsspec.url_to_fs(url)
+    except ImportError as error:
+        # fsspec itself, or its package for the kind of URL, such as s3fs.
+        message = f"{url} needs a package that is not installed: {error}"
+        if error.name == "fsspec" or url.lower().startswith("s3:"):
+            message += "; run: pip install 'fathom-datasets[buckets]'"
+        raise MissingPackage(message) from error
+    except ValueError as error:
+        raise InvalidArgument(
+            f"`place` is {url}: {error}; must be a folder or a URL such as s3://bucket/set"
+        ) from error
+    return files, path
 
 
 def find_place(place: str | os.PathLike[str]) -> Local | Remote:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom import _native
-from fathom.errors import RenderError
+from fathom.errors import InvalidArgument, MissingFrames, RenderError
 from fathom.frame import Frame
 from fathom.frames import Frames, Source
 from fathom.lines import Lines
@@ -54,19 +54,19 @@ def open(place: str | os.PathLike[str] | Source) -> Frames:
     if isinstance(there, Remote):
         listed = read_if_present(there, Exported.LIST)
         if listed is None:
-            raise FileNotFoundError(missing)
+            raise MissingFrames(missing)
         return Frames(Sharded(there, listed.splitlines()))
     folder = there.folder
     if not (folder / Exported.LIST).is_file():
-        raise FileNotFoundError(missing)
+        raise MissingFrames(missing)
     rows = Lines(folder / Exported.LIST)
     first = rows[0] if len(rows) > 0 else {}
     if "tar" in first:
         return Frames(Sharded(there, rows))
     if "parquet" in first:
-        raise ValueError(f"{folder} holds Parquet files: read {folder / 'data'} with pyarrow, DuckDB or datasets")
+        raise InvalidArgument(f"{folder} holds Parquet files: read {folder / 'data'} with pyarrow, DuckDB or datasets")
     if "mcap" in first:
-        raise ValueError(f"{folder} holds recordings of ROS 2: read its .mcap files with mcap or rosbags")
+        raise InvalidArgument(f"{folder} holds recordings of ROS 2: read its .mcap files with mcap or rosbags")
     return Frames(Exported(folder))
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any, SupportsIndex, overload
 
 from fathom.display import html_rows
+from fathom.errors import MissingPackage
 
 USUAL_COLUMNS = ("dataset", "frame", "site", "scene.family", "water.optics", "water.style", "alpha", "uiqm", "uciqe")
 """Columns of images that a notebook shows, as far as the rows have them."""
@@ -56,12 +58,16 @@ class Rows(list[dict[str, Any]]):
 
     def to_pandas(self) -> Any:
         """Return a `pandas.DataFrame`; needs pandas."""
-        import pandas
-
-        return pandas.DataFrame(list(self))
+        return _import("pandas").DataFrame(list(self))
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`; needs pyarrow."""
-        import pyarrow
+        return _import("pyarrow").Table.from_pylist(list(self))
 
-        return pyarrow.Table.from_pylist(list(self))
+
+def _import(name: str) -> Any:
+    """Return a package. Raises `MissingPackage`."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        raise MissingPackage(f"the table needs {name}, which is not installed; run: pip install {name}") from error

@@ -16,6 +16,7 @@ from fathom import _native
 from fathom.client.exr import has_distances
 from fathom.client.protocol import WAIT_S, Call, Request, get, read_json
 from fathom.client.scene import Scene
+from fathom.errors import InvalidArgument
 from fathom.training import Photo
 
 Picture: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"
@@ -65,7 +66,7 @@ def read_pose(pose: Pose) -> bytes:
         return Path(pose).read_bytes()
     matrix = np.asarray(pose, dtype=np.float64)
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-        raise ValueError(f"pose has shape {matrix.shape} but a finite matrix of (4, 4) is needed")
+        raise InvalidArgument(f"pose has shape {matrix.shape} but a finite matrix of (4, 4) is needed")
     return json.dumps({"world_from_camera": matrix.tolist()}).encode()
 
 
@@ -74,7 +75,7 @@ def read_scene_file(name: str, part: Picture) -> bytes:
     if not isinstance(part, np.ndarray):
         return Path(part).read_bytes()
     if part.ndim not in (2, 3) or (part.ndim == 3 and part.shape[2] != 3):
-        raise ValueError(f"{name} has shape {part.shape} but (height, width) or (height, width, 3) is needed")
+        raise InvalidArgument(f"{name} has shape {part.shape} but (height, width) or (height, width, 3) is needed")
     if part.dtype in (np.uint8, np.uint16):
         return _native.encode_png(part)
     file = BytesIO()
@@ -82,6 +83,6 @@ def read_scene_file(name: str, part: Picture) -> bytes:
         np.save(file, part, allow_pickle=False)
         return file.getvalue()
     if name == "rgb" and not np.isfinite(part).all():
-        raise ValueError(f"{name} has {np.count_nonzero(~np.isfinite(part))} samples that are not finite")
+        raise InvalidArgument(f"{name} has {np.count_nonzero(~np.isfinite(part))} samples that are not finite")
     np.save(file, np.ascontiguousarray(part, dtype=np.float32), allow_pickle=False)
     return file.getvalue()
