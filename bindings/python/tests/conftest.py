@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -49,21 +50,28 @@ def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place / "frames"
 
 
-@pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Start the service that the wheel carries, with a worker process."""
-    data = tmp_path_factory.mktemp("service")
-    command = [sys.executable, "-m", "fathom", "serve", "--listen", "127.0.0.1:0", "--data", str(data)]
-    environment = os.environ | {"FATHOM_TOKEN": "secret", "FATHOM_LOG": "warn", "FATHOM_SLOTS": "1"}
+@contextmanager
+def run_service(data: Path, *options: str, **environment: str) -> Iterator[str]:
+    """Run the service that the wheel carries on a free port, and return its address."""
+    command = [sys.executable, "-m", "fathom", "serve", "--listen", "127.0.0.1:0", "--data", str(data), *options]
+    environment = {**os.environ, "FATHOM_LOG": "warn", "FATHOM_SLOTS": "1", **environment}
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
-        for line in process.stderr:
-            if found := re.search(r"listens on (\S+)", line):
-                yield found[1]
-                break
-        process.terminate()
-        process.stderr.read()
-        assert process.wait(30) == 0
+        address = next((found[1] for line in process.stderr if (found := re.search(r"listens on (\S+)", line))), None)
+        assert address is not None, "the service did not start"
+        try:
+            yield address
+        finally:
+            process.terminate()
+            process.stderr.read()
+            assert process.wait(30) == 0
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Run a service with a token and a worker process."""
+    with run_service(tmp_path_factory.mktemp("service"), FATHOM_TOKEN="secret") as address:
+        yield address
 
 
 @pytest.fixture

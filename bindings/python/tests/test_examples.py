@@ -8,8 +8,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import fathom
 import numpy as np
 import pytest
+from conftest import run_service
+from fathom import _native
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -46,6 +49,29 @@ def test_the_notebook_ran_to_its_end_without_an_error() -> None:
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
     assert all(output.output_type != "error" for cell in cells for output in cell.outputs)
+
+
+def test_the_best_images_of_a_dataset_are_fetched_and_plotted(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed: the example of a dataset is not tested")
+    text = (EXAMPLES / "dataset.py").read_text()
+    # Fewer and smaller frames than in the example.
+    small = text.replace('"count": 20,', '"count": 2, "camera": {"width": 192, "height": 123},')
+    assert small != text
+    (tmp_path / "dataset.py").write_text(small)
+    with run_service(tmp_path / "data") as address:
+        command = [sys.executable, "dataset.py", address]
+        run = subprocess.run(
+            command, check=True, capture_output=True, text=True, cwd=tmp_path, env=os.environ | {"MPLBACKEND": "Agg"}
+        )
+        rows = fathom.Client(address).images("uiqm > 0.3", dataset="example")
+        frames = {f"{row['frame']:04}.png": fathom.Client(address).frame(row["job"], row["frame"]) for row in rows}
+    assert "4 of 4 frames" in run.stdout
+    assert run.stdout.endswith(f"{len(rows)} images; the best 8 and uiqm.png are in example/\n")
+    assert len(rows) > 0
+    assert {path.name for path in (tmp_path / "example").iterdir()} == {"uiqm.png", *frames}
+    for name, frame in frames.items():
+        assert (_native.decode((tmp_path / "example" / name).read_bytes()) == frame.rgb).all()
+    assert _native.decode((tmp_path / "example/uiqm.png").read_bytes()).std() > 1
 
 
 def write_video(path: Path, frames: int = 4) -> None:

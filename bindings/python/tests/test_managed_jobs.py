@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import re
 import subprocess
 import sys
 import time
@@ -15,7 +13,7 @@ from typing import Any
 import fathom
 import numpy as np
 import pytest
-from conftest import description
+from conftest import description, run_service
 from fathom import _native
 from fathom.client import Scene, Submitted
 from service_stand_in import Reply, reply_json, serve
@@ -201,20 +199,10 @@ def test_the_async_client_manages_too(server: str, sealed: Submitted, tmp_path: 
 
 @pytest.fixture
 def importing(tmp_path: Path) -> Iterator[fathom.Client]:
-    """Start a service that imports sharded datasets below a folder."""
-    command = [sys.executable, "-m", "fathom", "serve", "--listen", "127.0.0.1:0", "--data", str(tmp_path / "data")]
-    command += ["--store", str(tmp_path / "store"), "--workers", "0"]
+    """Run a service that imports sharded datasets below a folder."""
     (tmp_path / "store").mkdir()
-    with subprocess.Popen(
-        command, env=os.environ | {"FATHOM_LOG": "warn"}, stderr=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stderr is not None
-        for line in process.stderr:
-            if found := re.search(r"listens on (\S+)", line):
-                yield fathom.Client(found[1])
-                break
-        process.terminate()
-        process.stderr.read()
+    with run_service(tmp_path / "data", "--store", str(tmp_path / "store"), "--workers", "0") as address:
+        yield fathom.Client(address)
 
 
 def test_a_sharded_dataset_is_imported(importing: fathom.Client, tmp_path: Path, monkeypatch: Any) -> None:
