@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every shell and Python block of README.md and docs as typed and plans every job in JSON, each page in a fresh copy of the last
+# Runs every shell, Python and SQL block of README.md and docs as typed and plans every job in JSON, each page in a fresh copy of the last
 # commit, and prints a table. Blocks below `<!-- needs: … -->` are counted and not run. Lines that build are left out: the binary and the
 # wheel come from target.
 # Usage: scripts/test-docs.sh [ARGUMENTS OF pytest], such as -k exports
@@ -30,7 +30,7 @@ find_python() {
 }
 
 packages='pytest==9.2.0 httpx==0.28.1 numpy pandas pyarrow jax==0.12.0.1 onnx==1.23.2 openapi-python-client==0.29.1
-    webdataset==1.0.2 datasets==5.2.0 pillow pycocotools==2.0.11 pyyaml==6.0.3 rosbags==0.11.9 av==19.0.2'
+    webdataset==1.0.2 datasets==5.2.0 pillow pycocotools==2.0.11 pyyaml==6.0.3 rosbags==0.11.9 av==19.0.2 duckdb==2.0.0'
 place=$target/tools/docs
 if [ "$(cat "$place/packages" 2>/dev/null)" != "$packages" ]; then
     rm -rf "$place"

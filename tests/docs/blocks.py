@@ -1,4 +1,4 @@
-"""Extracts the shell and Python blocks of a page of Markdown, and the jobs that it shows as JSON."""
+"""Extracts the shell, Python and SQL blocks of a page of Markdown, and the jobs that it shows as JSON."""
 
 import dataclasses
 import json
@@ -6,6 +6,7 @@ import re
 
 SHELLS = {"sh", "bash", "shell", "console"}
 PYTHONS = {"python", "py"}
+SQL = "sql"
 # Kinds of scenes that a job can have without uploads.
 LOCAL_SCENES = {"procedural", "files"}
 # Requirements that the test does not have; a block that is marked with another word is an error.
@@ -74,7 +75,7 @@ def extract_blocks(text: str) -> list[Block]:
             raise ValueError(f"the block of line {number + 1} has no end")
         language = opening["language"].lower()
         code = [line.removeprefix(opening["indent"]) for line in lines[number + 1 : end]]
-        if language in SHELLS | PYTHONS or (language == "json" and is_job("\n".join(code))):
+        if language in SHELLS | PYTHONS | {SQL} or (language == "json" and is_job("\n".join(code))):
             code = read_commands(code) if language == "console" else code
             needs = read_needs(lines[number - 1]) if number else ()
             blocks.append(Block(number + 2, language, "\n".join(code) + "\n", needs))

@@ -4,13 +4,14 @@ import dataclasses
 import json
 import os
 import pathlib
+import shlex
 import shutil
 import signal
 import subprocess
 import sys
 import time
 
-from blocks import SHELLS, Block
+from blocks import SHELLS, SQL, Block
 
 # Seconds of one block.
 LIMIT_S = 300
@@ -28,6 +29,13 @@ trap 'echo "failed: $BASH_COMMAND" >&2' ERR
 trap - ERR
 FATHOM_DOCS_FOLDER=$PWD
 declare -p | grep -v '^declare -[a-zA-Z]*r' >{state}
+"""
+
+RUN_SQL = """
+import sys, duckdb
+rows = duckdb.sql(open(sys.argv[1]).read()).fetchall()
+print(*rows, sep="\\n")
+sys.exit(0 if rows else "the query returned no rows")
 """
 
 
@@ -49,14 +57,22 @@ def can_isolate() -> bool:
 
 
 def write_script(block: Block, folder: pathlib.Path) -> pathlib.Path:
-    """Write a block as a shell script and return its path. A job is planned, which checks it and makes its first scene."""
+    """Write a block as a shell script and return its path.
+
+    A job is planned, which checks it and makes its first scene. DuckDB runs SQL, which has to find rows.
+    """
     script = folder / f"block-{block.line}.sh"
     if block.language in SHELLS:
         script.write_text(block.code)
         return script
-    source = script.with_suffix(".py" if block.is_python else ".json")
+    if block.is_python:
+        source, program = script.with_suffix(".py"), "python"
+    elif block.language == SQL:
+        source, program = script.with_suffix(".sql"), f"python -c {shlex.quote(RUN_SQL)}"
+    else:
+        source, program = script.with_suffix(".json"), "fathom plan"
     source.write_text(block.code)
-    script.write_text(f"{'python' if block.is_python else 'fathom plan'} {source}\n")
+    script.write_text(f"{program} {source}\n")
     return script
 
 

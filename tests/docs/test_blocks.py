@@ -42,6 +42,10 @@ fence = "```"
 ~~~py
 print(1)
 ~~~
+
+```sql
+select 1
+```
 """
 
 
@@ -66,6 +70,7 @@ def test_blocks_have_line_language_code_and_needs() -> None:
         Block(23, "console", "echo two\n\n"),
         Block(28, "python", 'fence = "```"\n'),
         Block(32, "py", "print(1)\n"),
+        Block(36, "sql", "select 1\n"),
     ]
 
 
@@ -115,6 +120,14 @@ def test_python_blocks_run_with_the_variables_of_the_shell(folder: pathlib.Path)
     results = play_page(blocks, folder, dict(os.environ))
     assert [result.outcome for result in results] == ["ran", "ran", "failed"]
     assert "ZeroDivisionError" in results[2].output
+
+
+def test_sql_blocks_have_to_find_rows(folder: pathlib.Path) -> None:
+    pytest.importorskip("duckdb")
+    queries = ["select 1 as one", "select 1 where false", "select missing"]
+    results = play_page([Block(line, "sql", query) for line, query in enumerate(queries, 1)], folder, dict(os.environ))
+    assert [result.outcome for result in results] == ["ran", "failed", "failed"]
+    assert "the query returned no rows" in results[1].output and "missing" in results[2].output
 
 
 def test_the_page_of_exports_names_the_versions_of_the_tests() -> None:
