@@ -120,6 +120,8 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
     until(page, "JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull", timeout=60_000)
     drawn = "JSON.parse(document.querySelector('[data-speed]').dataset.speed).drawn"
     before = page.evaluate(drawn)
+    asked = []
+    page.on("request", lambda request: asked.append(request.post_data_json) if request.url.endswith("/v1/renders") else None)
     slider = page.locator("[id='f-alpha']")
     slider.scroll_into_view_if_needed()
     box = slider.bounding_box()
@@ -130,6 +132,15 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
         page.wait_for_timeout(30)
     page.mouse.up()
     until(page, f"{drawn} > {before + 3}", timeout=60_000)
+    until(page, "JSON.parse(document.querySelector('[data-speed]').dataset.speed).isFull", timeout=60_000)
+    widths = {"rough": [], "exact": []}
+    for frame in asked:
+        kind = "rough" if frame.get("fidelity") == {"tolerance": 0.02} else "exact"
+        if "encode" in frame:
+            widths[kind].append(frame["camera"]["width"])
+    # A drag renders small images to a loose tolerance; at rest follow the half and the full size, as exact as the job.
+    assert len([width for width in widths["rough"] if width in (48, 72, 96)]) > 3
+    assert widths["exact"][:2] == [96, 192]
     job = json.loads(page.input_value("#json"))
     assert job["alpha"] > 0.5
     page.fill("[data-pointer='/alpha'] input[type=number]", "3")
@@ -145,6 +156,31 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
     page.click("text=Submit")
     until(page, "location.hash.startsWith('#/jobs/job_')")
     until(page, "document.querySelector('.big')?.textContent.includes('done')", timeout=60_000)
+
+
+def test_images_of_a_drag_become_larger_while_they_are_fast(visit):
+    page = visit("compose")
+    # Milliseconds of each image, and the share of the full size of the next one.
+    sizes = """async (times) => {
+      const { DragSize } = await import("/assets/live.js");
+      const size = new DragSize();
+      return [size.share, ...times.map((ms) => { size.note(ms); return size.share; })];
+    }"""
+    assert page.evaluate(sizes, [30, 50, 90, 90]) == [0.25, 0.375, 0.5, 0.5, 0.5]
+    assert page.evaluate(sizes, [300, 80, 40, 150, 30, 30]) == [0.25, 0.25, 0.25, 0.375, 0.25, 0.25, 0.25]
+
+
+def test_an_empty_service_shows_first_steps(visit, tmp_path):
+    service = Service(str(tmp_path))
+    try:
+        for view, text in (("", "There are no images yet"), ("compare", "There are no images yet"), ("scenes", "No scenes are uploaded yet"),
+                           ("jobs", "There are no jobs"), ("speed", "There are no datasets yet")):
+            page = visit(view, to=service)
+            page.wait_for_selector(f"text={text}")
+            assert page.locator(".problem").count() == 0
+            assert view == "speed" or page.locator("main a[href='#/compose']").count() == 1
+    finally:
+        service.stop()
 
 
 def test_a_live_frame_has_the_bytes_of_a_job_and_is_none(service):

@@ -6,14 +6,12 @@ import { parse, print } from "./exact.js";
 import { START, at } from "./fields.js";
 import { Form } from "./form.js";
 import { settled } from "./laws.js";
-import { LampHandles, Live, pictureOf, rendered, singleScene, watchWorkers } from "./live.js";
+import { DragSize, EXACT, LampHandles, Live, ROUGH, pictureOf, rendered, singleScene, watchWorkers } from "./live.js";
 import { bytes, count, duration, number } from "./text.js";
 
 const STRIP = 12;
-// Share of the full size during a drag, and after a slow frame.
-const DRAG_SHARE = 0.5;
-const SLOW_SHARE = 0.25;
-const SLOW_MS = 250;
+// Images after the last change: a smaller one first, because a full one can need seconds.
+const AT_REST = [[0.5, EXACT], [1, EXACT]];
 
 export async function show(root, route) {
   const view = new Compose(root, route);
@@ -27,7 +25,7 @@ class Compose {
     this.job = opened(route.query.job);
     this.frame = Number(route.query.frame) || 0;
     this.first = [];
-    this.dragShare = DRAG_SHARE;
+    this.dragSize = new DragSize();
     this.form = new Form(this.job, (isDragging) => this.changed(isDragging));
     this.json = h("textarea.mono", { id: "json", spellcheck: "false", rows: 18, "aria-label": "The job as JSON", oninput: () => this.read() });
     this.canvas = h("canvas", { width: 768, height: 492, role: "img", "aria-label": "The live frame" });
@@ -92,17 +90,17 @@ class Compose {
   changed(isDragging, isFromJson = false) {
     if (!isFromJson) this.write();
     this.json.removeAttribute("aria-invalid");
-    this.render(this.dragShare, 82, false);
+    this.render([[this.dragSize.share, ROUGH]]);
     this.handles.draw();
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.settle(), isDragging ? 350 : 200);
   }
 
-  // Renders the current frame, unless some of its values are still unknown.
-  render(share, quality, isFull) {
+  // Renders the current frame as each of `steps`, [[share, how]], unless some of its values are still unknown.
+  render(steps) {
     const frame = this.current();
     const isKnown = (this.job.site === undefined || frame.scene) && singleScene(frame.scene)?.kind !== "collection";
-    if (isKnown) this.live.ask(pictureOf(frame, share, quality), isFull);
+    if (isKnown) this.live.ask(steps.map(([share, how]) => ({ frame: pictureOf(frame, share, how), share, isRough: how === ROUGH })));
   }
 
   // The drawn values of the selected frame, once the service has checked the job.
@@ -144,9 +142,8 @@ class Compose {
 
   // Pictures and plan of a valid job. It can be submitted even if they fail.
   async showFrames(signal) {
-    // A small frame first, because a full one can need seconds.
-    if (!this.pictures) this.render(SLOW_SHARE, 82, false);
-    this.render(1, 90, true);
+    this.dragSize.begin();
+    this.render(this.pictures ? AT_REST : [[this.dragSize.share, ROUGH], ...AT_REST]);
     this.handles.draw();
     try {
       await this.showPlan(signal);
@@ -171,19 +168,18 @@ class Compose {
       + `${bytes(estimate.bytes)}, error within ${typeof tolerance === "number" || tolerance === undefined ? number(tolerance ?? 3e-4) : "the tolerance"}`);
   }
 
-  shown({ bitmap, isFull, ms }) {
+  shown({ bitmap, share, isRough, ms }) {
     this.canvas.width = bitmap.width;
     this.canvas.height = bitmap.height;
     this.canvas.getContext("2d").drawImage(bitmap, 0, 0);
     bitmap.close();
-    if (!isFull && ms > SLOW_MS) this.dragShare = SLOW_SHARE;
-    if (!isFull && ms < SLOW_MS / 5) this.dragShare = DRAG_SHARE;
+    if (isRough) this.dragSize.note(ms);
     const now = performance.now();
     this.times = [...(this.times ?? []).filter((time) => now - time < 1500), now];
     this.pictures = (this.pictures ?? 0) + 1;
-    this.speed.dataset.speed = JSON.stringify({ drawn: this.pictures, ms: Math.round(ms), isFull, width: this.canvas.width });
+    this.speed.dataset.speed = JSON.stringify({ drawn: this.pictures, ms: Math.round(ms), isFull: share === 1, width: this.canvas.width });
     const rate = this.times.length > 2 ? (1000 * (this.times.length - 1)) / (now - this.times[0]) : 0;
-    this.speed.textContent = `${this.canvas.width}×${this.canvas.height}, ${Math.round(ms)} ms${!isFull && rate > 1 ? `, ${number(rate, 2)} frames/s` : ""}`;
+    this.speed.textContent = `${this.canvas.width}×${this.canvas.height}, ${Math.round(ms)} ms${isRough && rate > 1 ? `, ${number(rate, 2)} frames/s` : ""}`;
   }
 
   failed(error) {
@@ -213,7 +209,7 @@ class Compose {
         this.route.set({ frame: index || "" });
         for (const tile of this.strip.children) tile.setAttribute("aria-pressed", String(tile === button));
         this.form.inherit(this.drawn());
-        this.render(1, 90, true);
+        this.render(AT_REST);
         this.handles.draw();
       } }, canvas, h("span.caption", {}, `${one.frame}`));
       return { button, canvas, frame: settled(one.parameters, undefined) };
@@ -221,7 +217,7 @@ class Compose {
     put(this.strip, tiles.map((tile) => tile.button));
     for (const { canvas, frame } of tiles) {
       const share = 192 / (frame.camera?.width ?? 768);
-      const bitmap = await rendered(pictureOf(frame, share, 80), signal);
+      const bitmap = await rendered(pictureOf(frame, share, ROUGH), signal);
       canvas.width = bitmap.width;
       canvas.height = bitmap.height;
       canvas.getContext("2d").drawImage(bitmap, 0, 0);

@@ -3,11 +3,11 @@
 import { get, pause, post } from "./api.js";
 import { h, put, svg } from "./dom.js";
 
-// Concurrent requests: one image is transferred while the next is rendered.
+// Concurrent requests: the service renders two at a time, or transfers one image while it renders the next.
 const MOST = 2;
 
 export class Live {
-  // shown({bitmap, ms, isFull}) is called for each image, in order; failed(error) on errors.
+  // shown({bitmap, ms, share, isRough}) is called for each image, in order; failed(error) on errors.
   constructor(signal, shown, failed) {
     this.signal = signal;
     this.shown = shown;
@@ -15,30 +15,30 @@ export class Live {
     this.open = 0;
     this.asked = 0;
     this.newest = 0;
-    this.next = null;
+    this.queue = [];
   }
 
-  ask(frame, isFull) {
-    this.next = { frame, isFull };
+  // Renders these frames, [{frame, share, isRough}], in place of the earlier ones that are not started yet.
+  ask(frames) {
+    this.queue = frames;
     this.start();
   }
 
   start() {
-    if (!this.next || this.open >= MOST || this.signal.aborted) return;
-    const { frame, isFull } = this.next;
-    this.next = null;
-    this.asked += 1;
-    this.run(frame, isFull, this.asked);
+    while (this.queue.length > 0 && this.open < MOST && !this.signal.aborted) {
+      this.asked += 1;
+      this.run(this.queue.shift(), this.asked);
+    }
   }
 
-  async run(frame, isFull, number) {
+  async run({ frame, ...how }, number) {
     const begun = performance.now();
     this.open += 1;
     try {
       const bitmap = await rendered(frame, this.signal);
       if (number > this.newest) {
         this.newest = number;
-        this.shown({ bitmap, isFull, ms: performance.now() - begun });
+        this.shown({ bitmap, ...how, ms: performance.now() - begun });
       }
     } catch (error) {
       if (!this.signal.aborted && number === this.asked) this.failed(error);
@@ -63,8 +63,13 @@ export function singleScene(scene) {
   return { ...own, kind: "uploaded" };
 }
 
+// A preview during a drag: errors of 0.02 of white are not visible in it, and no time is spent on a choice of effects.
+export const ROUGH = { quality: 82, tolerance: 0.02 };
+// A preview as exact as the frame.
+export const EXACT = { quality: 90, tolerance: 0 };
+
 // The part of a description that affects the image, at a share of its size.
-export function pictureOf(frame, share, quality = 90) {
+export function pictureOf(frame, share, { quality, tolerance } = EXACT) {
   const { count, dataset, labels, enhance, metrics, ...rest } = frame;
   const camera = { ...(frame.camera ?? {}) };
   // An uploaded scene has its own size.
@@ -72,7 +77,37 @@ export function pictureOf(frame, share, quality = 90) {
     camera.width = Math.max(16, Math.round((camera.width ?? 768) * share));
     camera.height = Math.max(16, Math.round((camera.height ?? 492) * share));
   }
-  return { ...rest, scene: singleScene(frame.scene), camera, artifacts: ["rgb"], enhance: [], metrics: [], encode: { format: "jpeg", quality } };
+  const fidelity = tolerance > (rest.fidelity?.tolerance ?? 0) ? { fidelity: { tolerance } } : {};
+  return { ...rest, ...fidelity, scene: singleScene(frame.scene), camera, artifacts: ["rgb"], enhance: [], metrics: [], encode: { format: "jpeg", quality } };
+}
+
+// Shares of the full size during a drag. It starts with the smallest, so that the first image comes soon.
+const DRAG_SHARES = [0.25, 0.375, 0.5];
+// Milliseconds from the request to the image. With two requests in flight, 110 ms are 18 images/s.
+const SLOW_MS = 110;
+const FAST_MS = 60;
+
+// The size of the images of a drag: larger while they come fast, and smaller for its remainder once they are slow.
+export class DragSize {
+  constructor() {
+    this.begin();
+  }
+
+  begin() {
+    this.index = 0;
+    this.most = DRAG_SHARES.length - 1;
+  }
+
+  get share() {
+    return DRAG_SHARES[this.index];
+  }
+
+  note(ms) {
+    if (ms > SLOW_MS && this.index > 0) {
+      this.index -= 1;
+      this.most = this.index;
+    } else if (ms < FAST_MS && this.index < this.most) this.index += 1;
+  }
 }
 
 // Shows a notice in `place` while no worker is connected. changed(isConnected) is called first and after each change.

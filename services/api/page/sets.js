@@ -63,10 +63,11 @@ async function fillMosaic(mosaic, dataset, route) {
 
 async function compare(root, route) {
   const datasets = (await list("/v1/datasets", route.signal)).map((dataset) => dataset.name);
+  if (datasets.length === 0) return root.append(heading("Two datasets"), empty(), same("GET /v1/datasets"));
   const a = route.query.a ?? datasets[0];
   const b = route.query.b ?? datasets.find((name) => name !== a) ?? a;
   const place = h("div");
-  root.append(heading("Two datasets"), h("div.row", {}, select("First", datasets, a, (value) => change({ a: value })),
+  root.append(heading("Two datasets"), h("div.row.above", {}, select("First", datasets, a, (value) => change({ a: value })),
     select("Second", datasets, b, (value) => change({ b: value })), h("span.legend", {}, h("i.bar"), "first ", h("i.other"), "second")), place);
   const state = { a, b };
   async function change(values) {
@@ -97,7 +98,7 @@ async function compare(root, route) {
       `fathom stats ${names.join(" ")}`));
     await drawBoth(plot, names, column, route);
   }
-  await draw();
+  return draw();
 }
 
 async function drawBoth(plot, names, column, route) {
