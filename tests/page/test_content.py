@@ -130,6 +130,27 @@ def test_the_speed_chart_has_axes_and_names_the_point_under_the_pointer(visit):
     assert page.locator(".chart .readout").inner_text() == ""
 
 
+@pytest.mark.parametrize(("view", "width"), [("speed", 390), ("speed", 1280), ("waters", 390), ("waters", 1280)])
+def test_the_text_of_a_chart_can_be_read(visit, view, width):
+    page = visit(view, width=width)
+    page.wait_for_selector(".chart text.tick.x")
+    sizes = page.locator("svg.curves").evaluate_all("""(plots) => plots.filter((plot) => plot.clientWidth > 0)
+        .map((plot) => parseFloat(getComputedStyle(plot.querySelector("text.tick")).fontSize) * plot.clientWidth / plot.viewBox.baseVal.width)""")
+    assert min(sizes) >= 11.5
+    boxes = page.locator("svg.curves").first.locator("text.tick.x").evaluate_all("(all) => all.map((one) => one.getBoundingClientRect()).map(({ left, right }) => [left, right])")
+    assert len(boxes) >= 3
+    assert all(right < left for (_, right), (left, _) in zip(boxes, boxes[1:]))
+
+
+def test_a_chart_is_drawn_again_when_the_window_becomes_narrow(visit):
+    page = visit("speed")
+    page.wait_for_selector(".chart text.tick.x")
+    shape = "document.querySelector('svg.curves').viewBox.baseVal.width"
+    assert page.evaluate(shape) == 640
+    page.set_viewport_size({"width": 390, "height": 800})
+    until(page, f"{shape} < 390")
+
+
 def test_former_addresses_of_datasets_work(visit):
     page = visit("set/reef?" + urllib.parse.urlencode({"filter": "frame < 5"}))
     until(page, "document.querySelectorAll('.cell a').length === 5")

@@ -1,6 +1,6 @@
 // Histograms and curves as SVG with keyboard access.
 
-import { h, svg } from "./dom.js";
+import { h, put, svg } from "./dom.js";
 import { number } from "./text.js";
 
 const WIDTH = 320;
@@ -59,8 +59,10 @@ function brushed(plot, brush, chosen) {
   });
 }
 
-// Sizes of a chart, in units of its view box: margins around the plot, and the whole.
-const CHART = { left: 58, right: 12, top: 22, bottom: 40, width: 520, height: 300 };
+// Sizes of a chart in CSS pixels: margins around the plot, limits of its width, and its shape.
+const CHART = { left: 58, right: 12, top: 22, bottom: 40, least: 240, most: 640, shape: 0.58, lowest: 190 };
+// Least distance of the numbers below a chart, in CSS pixels.
+const TICK_PX = 46;
 // Distance in CSS pixels within which the pointer selects a mark.
 const REACH_PX = 40;
 
@@ -92,9 +94,25 @@ function axis(values, isLog, start, end) {
 }
 
 // Curves and marks over common axes: lines are [{name, color, points: [[x, y], …]}], marks are [{name, color, x, y, strong}]. The pointer shows
-// the name of the nearest mark, or the values of each line.
+// the name of the nearest mark, or the values of each line. The chart is drawn for its width, so that its text has the same size everywhere.
 export function curves(lines, { label, x, y, log = false, marks = [] }) {
-  const { left, right, top, bottom, width, height } = CHART;
+  const readout = h("p.readout", { "aria-hidden": "true" });
+  const place = h("div");
+  const chart = h("div.chart", {}, place, readout);
+  let drawnWidth = 0;
+  new ResizeObserver(() => {
+    const width = Math.round(Math.min(CHART.most, Math.max(CHART.least, chart.clientWidth)));
+    if (width === drawnWidth || chart.clientWidth === 0) return;
+    drawnWidth = width;
+    put(place, plotOf(lines, { label, x, y, log, marks, width }, readout));
+  }).observe(chart);
+  return chart;
+}
+
+// The chart at a width in CSS pixels.
+function plotOf(lines, { label, x, y, log, marks, width }, readout) {
+  const { left, right, top, bottom } = CHART;
+  const height = Math.max(CHART.lowest, Math.round(CHART.shape * width));
   const all = [...lines.flatMap((line) => line.points), ...marks.map((mark) => [mark.x, mark.y])];
   const across = axis(all.map((point) => point[0]), log, left, width - right);
   const up = axis(all.map((point) => point[1]), log, height - bottom, top);
@@ -103,12 +121,9 @@ export function curves(lines, { label, x, y, log = false, marks = [] }) {
   const dots = marks.map((mark) => svg("circle", { cx: across.position(mark.x), cy: up.position(mark.y), r: mark.strong ? 6.5 : 3.6,
     class: `dot ${mark.color}${mark.strong ? " strong" : ""}` }));
   const grid = [...across.values.map((value) => `M${across.position(value)} ${top}V${height - bottom}`), ...up.values.map((value) => `M${left} ${up.position(value)}H${width - right}`)];
-  const names = [...across.values.map((value) => svg("text.tick.x", { x: across.position(value), y: height - bottom + 14, "text-anchor": "middle" }, number(value, 3))),
-    ...up.values.map((value) => svg("text.tick.y", { x: left - 5, y: up.position(value) + 4, "text-anchor": "end" }, number(value, 3)))];
-  const plot = svg("svg.curves", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label }, svg("path.grid-lines", { d: grid.join("") }),
-    svg("path.axis", { d: `M${left} ${top}V${height - bottom}H${width - right}` }), paths, dots, names,
+  const plot = svg("svg.curves", { viewBox: `0 0 ${width} ${height}`, width, height, role: "img", "aria-label": label }, svg("path.grid-lines", { d: grid.join("") }),
+    svg("path.axis", { d: `M${left} ${top}V${height - bottom}H${width - right}` }), paths, dots, tickTexts(across, up, height),
     svg("text.title", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, x), svg("text.title", { x: left, y: 12 }, y));
-  const readout = h("p.readout", { "aria-hidden": "true" });
   plot.addEventListener("pointermove", (event) => {
     const box = plot.getBoundingClientRect();
     const scale = box.width / width;
@@ -120,7 +135,19 @@ export function curves(lines, { label, x, y, log = false, marks = [] }) {
     readout.textContent = "";
     for (const dot of dots) dot.classList.remove("near");
   });
-  return h("div.chart", {}, plot, readout);
+  return plot;
+}
+
+// The numbers of both axes. Those that would touch the previous one are left out.
+function tickTexts(across, up, height) {
+  let last = -TICK_PX;
+  const shown = across.values.filter((value) => {
+    const isFree = across.position(value) - last >= TICK_PX;
+    if (isFree) last = across.position(value);
+    return isFree;
+  });
+  return [...shown.map((value) => svg("text.tick.x", { x: across.position(value), y: height - CHART.bottom + 15, "text-anchor": "middle" }, number(value, 3))),
+    ...up.values.map((value) => svg("text.tick.y", { x: CHART.left - 5, y: up.position(value) + 4, "text-anchor": "end" }, number(value, 3)))];
 }
 
 function showNearest(marks, dots, readout, /** @type {number[]} */ [x, y], reach) {

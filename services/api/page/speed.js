@@ -59,7 +59,7 @@ async function stability(place, route) {
   const [head, ...rows] = text.trim().split("\n").map((line) => line.split(";"));
   const all = rows.map((row) => Object.fromEntries(head.map((name, at) => [name, row[at]])));
   const methods = [...new Set(all.map((row) => row.method))];
-  const shows = [["ssim", "change of the SSIM"], ["gain", "amplified noise"]];
+  const shows = [["ssim", "change of SSIM"], ["gain", "gain of noise"]];
   const draw = () => {
     const method = methods.includes(route.query.method) ? route.query.method : methods[1];
     const what = route.query.map === "gain" ? "gain" : "ssim";
@@ -80,7 +80,7 @@ async function stability(place, route) {
       select("Map", shows, what, (value) => change({ map: value }))),
     h("p.quiet", {}, `${worse} of ${shown.length} cells move the picture away from the clean one on average; bright is worse. Shipped figures of 8 scenes under water, each `
       + "degraded in 8 steps."),
-    h("div.wide", {}, h("table.map", { "aria-label": `${method}: ${what}` }, kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, kind),
+    h("div.wide", { tabindex: "0", role: "region", "aria-label": "Where enhancements fail" }, h("table.map", { "aria-label": `${method}: ${what}` }, kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, kind),
       shown.filter((row) => row.degradation === kind).map(cell))))));
   };
   const change = (values) => {
