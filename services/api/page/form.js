@@ -146,7 +146,7 @@ export class Form {
     }) : this.plain(field, value, id, options);
     const unit = about?.unit && h("span.quiet", {}, `, ${about.unit}`);
     return h("div.control", { "data-pointer": field.pointer }, h("div.control-head", {}, h("label", { for: law || field.kind === "list" ? undefined : id }, label, unit),
-      h("span.state", {}, this.siteState(field, own), this.kindSelect(field, value, law, label))), editor, h("p.help", {}, h("code", {}, name), about && [" ", prose(helpOf(about.about))]), note);
+      h("span.state", {}, this.siteState(field, own), this.kindSelect(field, value, law, label))), editor, h("p.help", {}, h("code", {}, name), about && [": ", prose(helpOf(about.about))]), note);
   }
 
   kindSelect(field, value, law, label) {

@@ -10,6 +10,9 @@ import { picture } from "./picture.js";
 import { count, number, path, when } from "./text.js";
 
 const SCENE = { scene: { kind: "procedural", family: "structure", seed: 4 }, camera: { width: 320, height: 205, hfov_deg: 80 } };
+// The scene of the styles has edges near and far, and enough of its own contrast to recognize them.
+const STYLE_SEED = 7;
+const STYLE_ALPHA = 0.6;
 const COLORS = [["r", 0], ["g", 1], ["b", 2]];
 const NAMES = { r: "red", g: "green", b: "blue" };
 
@@ -85,8 +88,10 @@ async function scenes(root, route) {
   const found = await Promise.all(named.items.map(({ name }) => get(`/v1/collections/${path(name)}`, {}, route.signal)));
   if (named.items.length > 0) put(collections, h("h2", {}, "Collections"), h("div.cards", {}, named.items.map(({ name }, index) => collectionCard(name, found[index].items, wall))));
   if (all.length === 0) return put(place, h("div.empty", {}, h("h2", {}, "No scenes are uploaded yet"),
-    h("p", {}, "A scene is a picture, usually with the range of each pixel. Upload one, or a folder as a collection:"),
-    h("pre", { tabindex: "0", role: "group", "aria-label": "Command" }, "fathom upload shots --unit-m 0.001 --invalid-code 0 --hfov-deg 80 --collection dock")));
+    h("p", {}, "A scene is a picture in air, usually with the range of each pixel, that jobs render under water. Upload one, or a folder as a collection:"),
+    h("pre", { tabindex: "0", role: "group", "aria-label": "Commands" }, "fathom upload dock.png --range dock-range.png --unit-m 0.001 --invalid-code 0 --hfov-deg 80\n"
+      + "fathom upload shots --unit-m 0.001 --invalid-code 0 --hfov-deg 80 --collection dock"),
+    h("p", {}, "Without uploads, ", h("a", { href: "#/compose" }, "compose a job"), " over procedural scenes.")));
   const names = new Map(found.flatMap(({ items }, index) => items.map((one) => [one.id, `${named.items[index].name} / ${one.name}`])));
   const cards = h("div.cards");
   let shown = 0;
@@ -187,12 +192,12 @@ async function styles(root, route) {
   const notice = h("div");
   const wall = new Wall(route, notice);
   const draw = async () => put(place, (await list("/v1/styles?role=style", route.signal)).map((style) => styleCard(style, wall)));
-  root.append(heading("Styles"), notice, place, trainer(route, draw), same("GET /v1/styles", "POST /v1/styles/train", "fathom styles", "fathom train dock.png --name dock"));
+  root.append(heading("Styles", h("p.quiet", {}, "The same scene in each: ", h("code", {}, "alpha"), ` ${STYLE_ALPHA} mixes the style with the computed water.`)), notice, place, trainer(route, draw), same("GET /v1/styles", "POST /v1/styles/train", "fathom styles", "fathom train dock.png --name dock"));
   await draw();
 }
 
 function styleCard(style, wall) {
-  const frame = { ...SCENE, water: { optics: "jerlov-II", range_scale: 0.06, style: style.name }, alpha: 0.9 };
+  const frame = { ...SCENE, scene: { ...SCENE.scene, seed: STYLE_SEED }, water: { optics: "jerlov-II", range_scale: 0.06, style: style.name }, alpha: STYLE_ALPHA };
   return h("article.card", {}, wall.picture(`The scene with the style ${style.name}`, frame), h("h2", {}, style.name),
     h("p.quiet", {}, style.source ?? ""), h("p.quiet", {}, `License: ${style.licence ?? "unknown"}. ${count(style.parameters ?? 0, "parameter")}.`),
     (style.caveats ?? []).map((text) => h("p.quiet", {}, text)),
