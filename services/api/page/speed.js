@@ -39,12 +39,12 @@ async function figures(place, route) {
     put(place, h("h2", {}, "Error against time"), h("p.quiet", {}, `Left is faster, down is more exact; both axes are logarithmic. A ring marks the `
       + `default, the line joins the best variants. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
     h("div.row", {}, select("Stage", stages, stage, (value) => change({ stage: value })), select("Scene", scenes, scene, (value) => change({ scene: value }))),
-    shown.length > 0 ? curves([{ name: "front", color: "front", points: front.map(point) }], { label: `Error against time of ${stage}, ${scene}`,
+    h("div.split.even", {}, h("div", {}, shown.length > 0 ? curves([{ name: "front", color: "front", points: front.map(point) }], { label: `Error against time of ${stage}, ${scene}`,
       x: "time of a 768×492 frame, ms", y: "largest error, linear light (white = 1)", log: true, marks }) : h("p", {}, "All variants are exact."),
-    h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 8}`), variant])),
-    h("details", {}, h("summary", {}, "As a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
+    h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 8}`), variant]))),
+    h("details", { open: matchMedia("(min-width: 900px)").matches }, h("summary", {}, "As a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
       `${row.variant} ${row.terms}`, number(Number(row.ms_min), 3), number(Number(row.error_max), 2), row.codes_max,
-      [row.default === "true" && "default ", row.pareto === "true" && "front"]]), { label: "Variants" })));
+      [row.default === "true" && "default ", row.pareto === "true" && "front"]]), { label: "Variants", isTall: true }))));
   };
   const change = (values) => {
     route.set(values);
