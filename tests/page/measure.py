@@ -1,7 +1,7 @@
 """Measures the page of a running service in Chromium: python measure.py ADDRESS DATASET [FILTER].
 
 First paint of the dataset and of a changed filter, until the first row of thumbnails has its rows; frames a second while a slider of
-Compose is dragged. Prints the load of the machine beside them.
+Compose is dragged. Prints the load of the machine with them.
 """
 
 import json
@@ -16,6 +16,10 @@ from playwright.sync_api import sync_playwright
 ROWS = "document.querySelectorAll('.cell a').length > 0"
 SPEED = "document.querySelector('[data-speed]')?.dataset.speed || '{}'"
 DRAG_S = 5
+# A job with a style, and the site that Compose opens with; the slider that is dragged in each.
+STYLED = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},
+          "water": {"optics": "jerlov-1C", "range_scale": 0.4, "style": "atlantic"}, "alpha": 0.5}
+DRAGS = [("a job with a style", STYLED, "f-alpha"), ("the site shaft", {"site": "shaft"}, "f-water-range_scale")]
 
 
 # The browser's own clock, from the beginning of the navigation: none of what drives it counts.
@@ -54,16 +58,14 @@ def filtered(browser, address, name, condition):
     return rows, counted
 
 
-def drag(browser, address):
-    """Frames a second while the slider of alpha moves, and the milliseconds and width of the last one."""
-    job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},
-           "water": {"optics": "jerlov-1C", "range_scale": 0.4, "style": "atlantic"}, "alpha": 0.5}
+def drag(browser, address, job, field):
+    """Frames a second while the slider of a field moves, and the milliseconds and width of the last one."""
     page = browser.new_page(viewport={"width": 1280, "height": 900})
     page.goto(f"{address}/#/compose?job={urllib.parse.quote(json.dumps(job))}")
     page.wait_for_selector(".frames canvas:not(.waiting)")
-    page.wait_for_load_state("networkidle")
-    page.locator("[id='f-alpha']").scroll_into_view_if_needed()
-    slider = page.locator("[id='f-alpha']").bounding_box()
+    until(page, "document.querySelectorAll('.frames canvas.waiting').length === 0")
+    page.locator(f"[id='{field}']").scroll_into_view_if_needed()
+    slider = page.locator(f"[id='{field}']").bounding_box()
     y = slider["y"] + slider["height"] / 2
     page.mouse.move(slider["x"] + slider["width"] / 2, y)
     page.mouse.down()
@@ -85,11 +87,12 @@ def report(browser, address, name, condition):
     """Measures and prints."""
     paints = sorted(first_paint(browser, address, name) for _ in range(5))
     rows, counted = filtered(browser, address, name, condition)
-    rate, ms, width = drag(browser, address)
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     print(f"first paint of {name}: median {paints[2]:.0f} ms, fastest {paints[0]:.0f} ms")
     print(f"filter {condition}: rows after {rows:.0f} ms, count after {counted:.0f} ms")
-    print(f"drag: {rate:.1f} frames/s, the last {width} px wide after {ms} ms")
+    for label, job, field in DRAGS:
+        rate, ms, width = drag(browser, address, job, field)
+        print(f"drag of {label}: {rate:.1f} frames/s, the last {width} px wide after {ms} ms, load {os.getloadavg()[0]:.1f}")
 
 
 def main(address, name, condition="frame < 1000"):
