@@ -1,11 +1,12 @@
 """All results of the node."""
 
+import json
 from typing import Any
 
 import numpy as np
 from camera_driver import Camera, play
 from conftest import Start
-from harness import Node, wait_until
+from harness import Node, ParameterClient, wait_until
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
@@ -50,3 +51,32 @@ def test_all_results_are_published_with_the_header_of_the_picture(
     assert np.isnan(meters).any()
     assert 1 < np.nanmin(meters) < 2.5
     assert received["image"].data != received["enhanced/hscm"].data
+
+
+def test_enhancements_with_parameters_and_chains_have_topics_and_change_while_running(
+    camera: Camera, start: Start, shots: list[Any]
+) -> None:
+    wide = {"method": "hscm", "name": "wide", "cutoff": 64}
+    chain = {"name": "mine", "steps": [{"gray_world": {}}, {"clahe": {"clip": 3, "tiles": [4, 4]}}]}
+    start(Node, mode="enhance", enhance=json.dumps([wide, chain, "hscm"]))
+    received: dict[str, bytes] = {}
+    names = ["wide", "mine", "hscm"]
+    for name in names:
+        camera.node.create_subscription(
+            Image,
+            f"/fathom/enhanced/{name}",
+            lambda message, name=name: received.update({name: bytes(message.data)}),
+            qos_profile_sensor_data,
+        )
+    wait_until(lambda: all(camera.node.count_publishers(f"/fathom/enhanced/{name}") for name in names), "the topics")
+    wait_until(lambda: play(camera, shots[:1] * 2, 1, 10) and len(received) == 3, "each enhancement has a picture")
+    assert len(set(received.values())) == 3
+    # A parameter of one enhancement changes its picture, to that of the default, and no other.
+    before = dict(received)
+    [(is_accepted, reason)] = ParameterClient(camera.node).set(enhance__0__cutoff=32.0)
+    assert is_accepted, reason
+    received.clear()
+    wait_until(
+        lambda: play(camera, shots[:1] * 2, 1, 10) and received.get("wide") == before["hscm"], "the changed picture"
+    )
+    assert (received["mine"], received["hscm"]) == (before["mine"], before["hscm"])
