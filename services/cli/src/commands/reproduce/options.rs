@@ -96,8 +96,8 @@ pub(super) const OPTIONS: [NodeOption; 11] = [
     option(
         "input-bag, output-bag",
         "recordings to repaint",
-        &["scene(files).rgb"],
-        "extract the pictures first: bags are not read",
+        &[],
+        "`fathom bag IN OUT` reads a ROS 1 or ROS 2 recording and writes it with the pictures in water",
     ),
 ];
 
