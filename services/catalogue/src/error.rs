@@ -142,16 +142,26 @@ pub enum CatalogueError {
     },
 }
 
-/// A filter that cannot be read.
+/// A filter or another parameter of a query that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{message} (at position {position}){}", did_you_mean.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default())]
+#[error("{message}{}{}", describe_position(*position), suggest_name(did_you_mean.as_deref()))]
 pub struct FilterError {
-    /// Characters of the filter before the place.
-    pub position: usize,
-    /// The error.
+    /// Characters of the filter before the place; `None` outside of filters.
+    pub position: Option<usize>,
+    /// The parameter, if it is another one than the filter.
+    pub parameter: Option<&'static str>,
+    /// The error; it contains the name of the parameter in backticks.
     pub message: String,
     /// The nearest name.
     pub did_you_mean: Option<String>,
+}
+
+fn describe_position(position: Option<usize>) -> String {
+    position.map_or_else(String::new, |position| format!(" (at position {position})"))
+}
+
+fn suggest_name(near: Option<&str>) -> String {
+    near.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
 fn and_others(count: usize) -> String {
@@ -183,6 +193,11 @@ impl CatalogueError {
     /// An invalid query with a valid filter.
     pub(crate) fn refused(message: String) -> Self {
         FilterError::new(message).into()
+    }
+
+    /// An invalid parameter: the message begins after its name.
+    pub(crate) fn refused_parameter(parameter: &'static str, message: &str) -> Self {
+        FilterError::of_parameter(parameter, message).into()
     }
 }
 
@@ -225,9 +240,18 @@ impl FilterError {
     /// An error without a position.
     pub(crate) fn new(message: String) -> Self {
         Self {
-            position: 0,
+            position: None,
+            parameter: None,
             message,
             did_you_mean: None,
+        }
+    }
+
+    /// An error of a parameter: the message begins after its name.
+    pub(crate) fn of_parameter(parameter: &'static str, message: &str) -> Self {
+        Self {
+            parameter: Some(parameter),
+            ..Self::new(format!("`{parameter}` {message}"))
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Failures of commands and their exit statuses.
 
-use client::ClientError;
+use client::{ClientError, Problem};
 
 /// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
 #[derive(Debug, thiserror::Error)]
@@ -61,7 +61,9 @@ impl From<ClientError> for Failure {
         match error {
             ClientError::Unreachable { .. } => Self::NoServer(message),
             ClientError::Refused(problem) if problem.is("runtime-missing") => Self::RuntimeMissing(message),
-            ClientError::Refused(problem) if problem.status.is_client_error() => Self::BadInput(message),
+            ClientError::Refused(problem) if problem.status.is_client_error() => {
+                Self::BadInput(name_option(&problem).unwrap_or(message))
+            }
             ClientError::Refused(_) => Self::NoServer(message),
             ClientError::Proxy(_) => Self::BadInput(message),
             ClientError::Unreadable { .. }
@@ -69,6 +71,14 @@ impl From<ClientError> for Failure {
             | ClientError::EndlessList { .. } => Self::Other(error.into()),
         }
     }
+}
+
+/// The message about a parameter of a query, with the option of the command in its place: its name has hyphens.
+fn name_option(problem: &Problem) -> Option<String> {
+    let text = |member: &str| problem.document()[member].as_str();
+    let (parameter, detail) = (text("parameter")?, text("detail")?);
+    let option = format!("--{}", parameter.replace('_', "-"));
+    Some(detail.replace(&format!("`{parameter}`"), &option))
 }
 
 /// Prints a failure to standard error and returns the exit status.
@@ -85,7 +95,6 @@ pub fn end(program: &str, result: Result<(), Failure>) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use client::Problem;
     use ureq::http::StatusCode;
 
     use super::*;
@@ -98,5 +107,19 @@ mod tests {
         );
         let failure = Failure::from(ClientError::Refused(problem));
         assert!(matches!(failure, Failure::RuntimeMissing(_)));
+    }
+
+    #[test]
+    fn a_parameter_is_named_like_its_option() {
+        let problem = Problem::new(
+            StatusCode::BAD_REQUEST,
+            br#"{"type": "/problems/invalid-filter", "title": "x", "parameter": "order_by",
+                "detail": "`order_by` names the unknown column `uiqn`; did you mean `uiqm`?"}"#,
+        );
+        let failure = Failure::from(ClientError::Refused(problem));
+        assert_eq!(
+            failure.to_string(),
+            "--order-by names the unknown column `uiqn`; did you mean `uiqm`?"
+        );
     }
 }

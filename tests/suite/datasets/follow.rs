@@ -148,12 +148,16 @@ fn only_sets_in_a_store_are_read() {
     );
     let closed = Service::start(&work.folder().join("other"), &["--workers", "0"]);
     let (status, problem) = closed.post("/v1/sets", &json!({"url": url(&work)}));
-    assert_eq!(status, 422);
+    assert_eq!(
+        (status, &problem["type"]),
+        (409, &json!("/problems/imports-disabled"))
+    );
+    let refused = run(&["import", &path(&work.set()), "--server", &closed.url]);
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{told}");
     assert!(
-        problem["detail"]
-            .as_str()
-            .is_some_and(|why| why.contains("--store")),
-        "{problem}"
+        told.contains("This service imports no sharded datasets") && told.contains("--store FOLDER"),
+        "{told}"
     );
 }
 

@@ -25,4 +25,8 @@ pub struct Estimate {
     pub slot_seconds: f64,
     /// Time of the most expensive of the sampled frames, s.
     pub frame_seconds: f64,
+    /// Whether the service has rendered frames of every kind in the sample. Otherwise the times are typical figures, which may be
+    /// several times too low.
+    #[serde(default)]
+    pub measured: bool,
 }

@@ -14,8 +14,12 @@ impl From<CatalogueError> for Problem {
     fn from(error: CatalogueError) -> Self {
         match error {
             CatalogueError::Filter(filter) => {
-                let problem = Self::new(Slug::InvalidFilter, filter.to_string())
-                    .with_member("position", filter.position);
+                let problem = Self::new(Slug::InvalidFilter, filter.to_string());
+                let problem = match (filter.position, filter.parameter) {
+                    (Some(position), _) => problem.with_member("position", position),
+                    (None, Some(parameter)) => problem.with_member("parameter", parameter),
+                    (None, None) => problem,
+                };
                 match filter.did_you_mean {
                     Some(name) => problem.with_member("did_you_mean", name),
                     None => problem,

@@ -50,7 +50,8 @@ slugs! {
     Validation = "validation", UNPROCESSABLE_ENTITY, "The description is not valid";
     /// A query parameter is unknown, missing or of the wrong type.
     InvalidQuery = "invalid-query", BAD_REQUEST, "A query parameter is not valid";
-    /// The filter does not parse or names an unknown column; `position` counts characters from 0.
+    /// The filter does not parse or names an unknown column, and `position` counts characters from 0; or `parameter` is the name of
+    /// another parameter that is not valid.
     InvalidFilter = "invalid-filter", BAD_REQUEST, "The query is not valid";
     /// The cursor is not from this list.
     InvalidCursor = "invalid-cursor", BAD_REQUEST, "The cursor is not valid";
@@ -81,6 +82,8 @@ slugs! {
     UnknownWorker = "unknown-worker", CONFLICT, "The worker is not registered";
     /// The job uses a style and no worker has an ONNX Runtime.
     RuntimeMissing = "runtime-missing", CONFLICT, "The runtime of the style models is missing";
+    /// The service was started without `--store`, so it imports no sharded datasets.
+    ImportsDisabled = "imports-disabled", CONFLICT, "This service imports no sharded datasets";
     /// The frame could not be rendered; `detail` is the last error.
     RenderFailed = "render-failed", UNPROCESSABLE_ENTITY, "The frame cannot be rendered";
     /// The name is in use; existing items are never replaced.

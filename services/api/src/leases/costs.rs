@@ -49,6 +49,8 @@ pub(crate) struct Cost {
     pub(crate) bytes: f64,
     /// Seconds of the most expensive frame.
     pub(crate) most_seconds: f64,
+    /// Whether frames of the kind of each were rendered here.
+    pub(crate) is_measured: bool,
 }
 
 /// A price as the lease table counts it.
@@ -83,10 +85,14 @@ impl Costs {
     /// The cost of these frames.
     pub(crate) fn estimate(&self, frames: &[Sized<'_>]) -> Cost {
         let learned = self.learned();
-        let mut cost = Cost::default();
+        let mut cost = Cost {
+            is_measured: !frames.is_empty(),
+            ..Cost::default()
+        };
         let count = frames.len().max(1) as f64;
         for Sized { frame, pixels } in frames {
             let measured = learned.get(&WorkKind::new(frame, *pixels));
+            cost.is_measured &= measured.is_some_and(|kept| !kept.time.is_empty());
             let (time, size) = measured.map_or((1.0, 1.0), |kept| (median(&kept.time), median(&kept.bytes)));
             // The trace may end early, but need not: it is always priced at its most.
             let seconds = typical_seconds(frame, *pixels) * time + traced_seconds(frame, *pixels);

@@ -75,6 +75,9 @@ pub(crate) struct Problem {
     errors: Option<Vec<FieldError>>,
     /// Position of the error in a filter, in characters from 0.
     position: Option<usize>,
+    /// The parameter of a query that is not valid, if it is not the filter.
+    #[schema(example = "order_by")]
+    parameter: Option<String>,
 }
 
 /// One error of a description.

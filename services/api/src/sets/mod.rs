@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::http::problem::Problem;
+use crate::http::problem::{Problem, Slug};
 use crate::jobs::Jobs;
 use followed::Followed;
 use reader::Reader;
@@ -42,8 +42,9 @@ impl Sets {
 
     fn reader(&self) -> Result<&Reader, Problem> {
         self.reader.as_ref().ok_or_else(|| {
-            let reason = "imports are disabled; start the service with `--store`";
-            Problem::field("/url", reason)
+            let remedy =
+                "start it with `--store FOLDER` or `--store s3://BUCKET/PREFIX`, from which it may import";
+            Problem::new(Slug::ImportsDisabled, remedy)
         })
     }
 

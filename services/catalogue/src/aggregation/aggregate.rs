@@ -214,22 +214,22 @@ pub(crate) fn counted_source(source: columnar::Source) -> CountedSource {
 
 /// The error for more groups than a table should have.
 fn too_many_groups(most: usize) -> CatalogueError {
-    let message = format!("`by` makes more than {most} groups: use wider bins, fewer columns or a filter");
-    CatalogueError::refused(message)
+    let message = format!("makes more than {most} groups: use wider bins, fewer columns or a filter");
+    CatalogueError::refused_parameter("by", &message)
 }
 
-/// A column of numbers by its name.
+/// A column of numbers that a parameter names.
 pub(crate) fn number_column(
     columns: &crate::query::columns::Columns,
     name: &str,
+    parameter: &'static str,
 ) -> Result<Column, CatalogueError> {
-    let column = column(columns, name)?.typed(Kind::Number);
+    let column = column(columns, name, parameter)?.typed(Kind::Number);
     if column.kind.is_number() {
         Ok(column)
     } else {
-        Err(CatalogueError::refused(format!(
-            "`{name}` is not a column of numbers"
-        )))
+        let message = format!("names `{name}`, which is not a column of numbers");
+        Err(CatalogueError::refused_parameter(parameter, &message))
     }
 }
 

@@ -12,6 +12,8 @@ use crate::query::columns::Columns;
 use crate::query::filter::{Column, Kind, raised};
 use crate::query::record_value;
 
+/// The parameter of the API.
+const BY: &str = "by";
 /// Most columns of `by`; with more, groups have hardly more than one image each.
 const MOST_COLUMNS: usize = 8;
 /// Most groups of `by`; longer tables are better served by pages of images.
@@ -31,13 +33,14 @@ pub(crate) fn keys(columns: &Columns, by: &str) -> Result<Vec<Key>, CatalogueErr
     let keys = by.split(',').map(|part| Key::parse(columns, part.trim()));
     let keys = keys.collect::<Result<Vec<_>, _>>()?;
     if keys.len() > MOST_COLUMNS {
-        let message = format!("`by` has {} columns; must be at most {MOST_COLUMNS}", keys.len());
-        return Err(CatalogueError::refused(message));
+        let message = format!("has {} columns; must be at most {MOST_COLUMNS}", keys.len());
+        return Err(CatalogueError::refused_parameter(BY, &message));
     }
     for (position, key) in keys.iter().enumerate() {
         let name = &key.shown.column;
         if keys[..position].iter().any(|other| other.shown.column == *name) {
-            return Err(CatalogueError::refused(format!("`{name}` occurs twice in `by`")));
+            let message = format!("names `{name}` twice");
+            return Err(CatalogueError::refused_parameter(BY, &message));
         }
     }
     Ok(keys)
@@ -45,8 +48,12 @@ pub(crate) fn keys(columns: &Columns, by: &str) -> Result<Vec<Key>, CatalogueErr
 
 impl Key {
     /// A column whose values are the groups.
-    pub(crate) fn plain(columns: &Columns, name: &str) -> Result<Self, CatalogueError> {
-        let column = column(columns, name)?;
+    pub(crate) fn plain(
+        columns: &Columns,
+        name: &str,
+        parameter: &'static str,
+    ) -> Result<Self, CatalogueError> {
+        let column = column(columns, name, parameter)?;
         Ok(Self {
             shown: GroupColumn {
                 column: name.to_owned(),
@@ -61,16 +68,16 @@ impl Key {
 
     fn parse(columns: &Columns, text: &str) -> Result<Self, CatalogueError> {
         let Some((name, width)) = text.rsplit_once(':') else {
-            return Self::plain(columns, text);
+            return Self::plain(columns, text, BY);
         };
-        let mut key = Self::plain(columns, name)?;
-        key.column = column(columns, name)?.typed(Kind::Number);
+        let mut key = Self::plain(columns, name, BY)?;
+        key.column = column(columns, name, BY)?.typed(Kind::Number);
         key.is_json = false;
         if !key.column.kind.is_number() {
             let message = format!(
-                "`{name}` is not a column of numbers, so it has no bins; without `:{width}` each value is a group"
+                "names `{name}`, which is not a column of numbers and has no bins; without `:{width}` each value is a group"
             );
-            return Err(CatalogueError::refused(message));
+            return Err(CatalogueError::refused_parameter(BY, &message));
         }
         let parsed = width
             .parse()
@@ -78,9 +85,9 @@ impl Key {
             .filter(|width: &f64| width.is_normal() && *width > 0.0);
         let Some(parsed) = parsed else {
             let message = format!(
-                "`{width}` is not a width for the bins of `{name}`; must be a number above 0, as in {name}:0.1"
+                "has the width `{width}` for the bins of `{name}`; must be a number above 0, as in {name}:0.1"
             );
-            return Err(CatalogueError::refused(message));
+            return Err(CatalogueError::refused_parameter(BY, &message));
         };
         key.shown.width = Some(parsed);
         key.bins = Some(Bins::new(parsed));

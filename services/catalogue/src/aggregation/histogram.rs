@@ -23,9 +23,8 @@ impl Catalogue {
         range: Option<(f64, f64)>,
     ) -> Result<Histogram, CatalogueError> {
         if !(1..=MOST_BINS).contains(&bins) {
-            return Err(CatalogueError::refused(format!(
-                "`bins` is {bins}; must be 1 to {MOST_BINS}"
-            )));
+            let message = format!("is {bins}; must be 1 to {MOST_BINS}");
+            return Err(CatalogueError::refused_parameter("bins", &message));
         }
         if let Some((low, high)) = range
             && !(low < high && (high - low).is_finite())
@@ -36,7 +35,7 @@ impl Catalogue {
         }
         let images = ImageSet {
             dataset,
-            columns: &[number_column(&self.columns, column)?],
+            columns: &[number_column(&self.columns, column, "column")?],
             filter,
         };
         let bins = bins as usize;

@@ -76,14 +76,18 @@ impl Catalogue {
         bins: u32,
     ) -> Result<Histogram2d, CatalogueError> {
         if !(1..=MOST_BINS).contains(&bins) {
-            let message = format!("`bins` is {bins}; must be 1 to {MOST_BINS}");
-            return Err(CatalogueError::refused(message));
+            let message = format!("is {bins}; must be 1 to {MOST_BINS}");
+            return Err(CatalogueError::refused_parameter("bins", &message));
         }
-        let names = [Some(columns.x), Some(columns.y), columns.mean_of];
+        let names = [
+            Some(("x", columns.x)),
+            Some(("y", columns.y)),
+            columns.mean_of.map(|name| ("mean_of", name)),
+        ];
         let selected = names
             .into_iter()
             .flatten()
-            .map(|name| number_column(&self.columns, name))
+            .map(|(parameter, name)| number_column(&self.columns, name, parameter))
             .collect::<Result<Vec<_>, _>>()?;
         let images = ImageSet {
             dataset,

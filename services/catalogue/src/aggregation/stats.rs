@@ -30,7 +30,9 @@ impl Catalogue {
         group_by: Option<&str>,
         filter: Option<&str>,
     ) -> Result<Statistics, CatalogueError> {
-        let key = group_by.map(|name| Key::plain(&self.columns, name)).transpose()?;
+        let key = group_by
+            .map(|name| Key::plain(&self.columns, name, "group_by"))
+            .transpose()?;
         let (mut groups, source) = self
             .groups(&StatsQuery {
                 dataset,
@@ -87,12 +89,12 @@ impl Catalogue {
     async fn groups(&self, query: &StatsQuery<'_>) -> Result<(Vec<Group>, CountedSource), CatalogueError> {
         let StatsQuery { metrics, keys, .. } = *query;
         if metrics.len() > MOST_METRICS {
-            let message = format!("`metrics` has {} names; at most {MOST_METRICS}", metrics.len());
-            return Err(CatalogueError::refused(message));
+            let message = format!("has {} names; must be at most {MOST_METRICS}", metrics.len());
+            return Err(CatalogueError::refused_parameter("metrics", &message));
         }
         let mut selected = Vec::with_capacity(metrics.len() + keys.len());
         for metric in metrics {
-            selected.push(number_column(&self.columns, metric)?);
+            selected.push(number_column(&self.columns, metric, "metrics")?);
         }
         selected.extend(keys.iter().map(|key| key.column.clone()));
         let images = ImageSet {

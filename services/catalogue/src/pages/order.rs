@@ -32,7 +32,7 @@ impl Order {
         };
         let (name, descending) = text.strip_prefix('-').map_or((text, false), |name| (name, true));
         Ok(Self {
-            column: Some(column(columns, name)?),
+            column: Some(column(columns, name, "order_by")?),
             descending,
         })
     }

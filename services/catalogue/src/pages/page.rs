@@ -46,9 +46,8 @@ impl Catalogue {
 
     async fn image_page(&self, query: &ImageQuery) -> Result<ImagePage, CatalogueError> {
         if query.cursor.is_some() && query.offset > 0 {
-            let message =
-                "`offset` and `cursor` both set the start of a page; use only one of them".to_owned();
-            return Err(CatalogueError::refused(message));
+            let message = "and `cursor` both set the start of a page; use only one of them";
+            return Err(CatalogueError::refused_parameter("offset", message));
         }
         if let Some(found) = self.top_k(query).await? {
             let statement = PageStatement::of_rows(&self.columns, query, &found)?;
@@ -201,18 +200,15 @@ impl PageStatement {
             query.fields.clone()
         };
         if names.len() > MOST_FIELDS {
-            let message = format!(
-                "`fields` has {} names; must be at most {MOST_FIELDS}",
-                names.len()
-            );
-            return Err(CatalogueError::refused(message));
+            let message = format!("has {} names; must be at most {MOST_FIELDS}", names.len());
+            return Err(CatalogueError::refused_parameter("fields", &message));
         }
         let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());
         let mut selected = columns.of_record();
         let mut fields = Vec::with_capacity(names.len());
         let mut wanted = Wanted::default();
         for name in names.into_iter().collect::<BTreeSet<_>>() {
-            let column = column(columns, &name)?;
+            let column = column(columns, &name, "fields")?;
             let shown = match &column.found {
                 Some(found) => Shown::Record(wanted.add(found)),
                 None => {

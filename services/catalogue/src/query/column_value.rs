@@ -9,11 +9,15 @@ use crate::query::columns::Columns;
 use crate::query::filter::{Column, FilterError, Kind, raised};
 use crate::query::record_value;
 
-/// A column by its name, or an error with the nearest one.
-pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
+/// A column that a parameter names, or an error with the nearest one.
+pub(crate) fn column(
+    columns: &Columns,
+    name: &str,
+    parameter: &'static str,
+) -> Result<Column, CatalogueError> {
     columns.get(name).ok_or_else(|| {
         let did_you_mean = spec::nearest(name, &columns.names());
-        let unknown = FilterError::new(format!("unknown column `{name}`"));
+        let unknown = FilterError::of_parameter(parameter, &format!("names the unknown column `{name}`"));
         CatalogueError::Filter(FilterError {
             did_you_mean,
             ..unknown

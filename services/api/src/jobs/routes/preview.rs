@@ -78,5 +78,6 @@ fn estimate(jobs: &Jobs, JobPrice { price, cost }: JobPrice) -> Estimate {
         slots,
         slot_seconds: price.slot_seconds,
         frame_seconds: cost.most_seconds,
+        measured: cost.is_measured,
     }
 }

@@ -98,6 +98,7 @@ fn measured_frames_correct_their_kind_and_no_other() {
     assert!((learned.seconds - 2.0).abs() < 1e-6, "{learned:?}");
     assert!((learned.bytes - 30_000.0).abs() < 1.0, "{learned:?}");
     assert_eq!(cost(&costs, &plain), before);
+    assert!(learned.is_measured && !before.is_measured);
 }
 
 #[test]

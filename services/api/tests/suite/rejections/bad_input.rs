@@ -281,6 +281,17 @@ fn bad_queries_are_rejected_with_the_reason() {
         service
             .get("/v1/images?filter=uiqm%20%3E")
             .problem(400, "invalid-filter");
+        for parameter in ["order_by", "fields"] {
+            let problem = service
+                .get(&format!("/v1/images?{parameter}=uiqn"))
+                .problem(400, "invalid-filter");
+            assert_eq!(problem["parameter"], parameter, "{problem}");
+            assert_eq!(
+                problem["detail"],
+                format!("`{parameter}` names the unknown column `uiqn`; did you mean `uiqm`?")
+            );
+            assert!(problem["position"].is_null(), "{problem}");
+        }
         service
             .get(&format!("/v1/images?filter={}", "x".repeat(5000)))
             .problem(400, "invalid-filter");

@@ -121,7 +121,8 @@ impl Parser<'_> {
         };
         self.next += 1;
         let column = (self.lookup)(&name).ok_or_else(|| FilterError {
-            position,
+            position: Some(position),
+            parameter: None,
             message: format!("unknown column `{name}`"),
             did_you_mean: spec::nearest(&name, self.names),
         })?;
@@ -320,7 +321,8 @@ impl Parser<'_> {
 
     fn wrong(&self, message: &str) -> FilterError {
         FilterError {
-            position: self.position(),
+            position: Some(self.position()),
+            parameter: None,
             message: message.to_owned(),
             did_you_mean: None,
         }

@@ -104,7 +104,8 @@ fn quoted(rest: &str, quote: char, place: usize) -> Result<(Token, usize), Filte
 
 fn wrong(position: usize, message: String) -> FilterError {
     FilterError {
-        position,
+        position: Some(position),
+        parameter: None,
         message,
         did_you_mean: None,
     }
