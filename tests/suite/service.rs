@@ -157,6 +157,40 @@ fn the_command_line_submits_waits_and_asks() {
         String::from_utf8_lossy(&refused.stderr).contains("uiqm"),
         "the nearest column is named"
     );
+    for (words, told) in [
+        (
+            ["query", "", "--order-by", "uiqmm"],
+            "fathom: --order-by names the unknown column `uiqmm`",
+        ),
+        (
+            ["query", "", "--fields", "uiqmm"],
+            "fathom: --fields names the unknown column `uiqmm`",
+        ),
+        (
+            ["stats", "shell", "--by", "uiqmm"],
+            "fathom: --by names the unknown column `uiqmm`",
+        ),
+        (
+            ["stats", "shell", "--by", "uiqm:0"],
+            "fathom: --by has the width `0` for the bins of `uiqm`",
+        ),
+        (
+            ["stats", "shell", "--metrics", "x"],
+            "fathom: --metrics names the unknown column `x`",
+        ),
+        (
+            ["stats", "shell", "--metrics", "site"],
+            "fathom: --metrics names `site`, which is not a column of numbers",
+        ),
+    ] {
+        let refused = run(&[&words[..], &["--server", &service.url]].concat());
+        let complaint = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            refused.status.code() == Some(2) && complaint.starts_with(told),
+            "{complaint}"
+        );
+        assert!(!complaint.contains("position"), "{complaint}");
+    }
 }
 
 /// Failure: a dry run stores a job, hides a warning, or has no cost.
@@ -173,10 +207,15 @@ fn a_dry_run_shows_the_cost_and_stores_nothing() {
         shown.status.success() && text.contains("nothing was submitted"),
         "{text}"
     );
+    assert!(
+        text.contains("several times too low"),
+        "nothing was measured: {text}"
+    );
     let preview = run(&["submit", spec, "--dry-run", "--json", "--server", &service.url]);
     let preview: Value = serde_json::from_slice(&preview.stdout).expect("JSON");
     assert_eq!(preview["frames"], 12, "six of each of two waters");
     assert!(preview["estimate"]["seconds"].as_f64() > Some(0.0), "{preview}");
+    assert_eq!(preview["estimate"]["measured"], false, "{preview}");
     assert_eq!(service.get("/v1/jobs").1["items"], json!([]));
     let both = run(&["submit", spec, "--dry-run", "--wait", "--server", &service.url]);
     assert_eq!(both.status.code(), Some(2));

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use client::{Client, CollectionScene, DatasetDetail, JobRow, SceneView};
 
 use crate::exit::Failure;
+use crate::terminal;
 
 /// Names that a message lists at most.
 const MOST_LISTED: usize = 8;
@@ -28,7 +29,9 @@ pub fn job(client: &Client, id: &str) -> Result<JobRow, Failure> {
         0 => Err(unknown_job(client, id)?),
         1 => Ok(found.remove(0)),
         count => {
-            let ids: Vec<String> = found.into_iter().map(|job| job.id).take(MOST_LISTED).collect();
+            let ids: Vec<&str> = found.iter().map(|job| job.id.as_str()).collect();
+            let mut ids = shorten_ids(&ids);
+            ids.truncate(MOST_LISTED);
             Err(Failure::BadInput(format!(
                 "`{id}` begins the ids of {count} jobs: {}; write more digits",
                 ids.join(", ")
@@ -37,21 +40,31 @@ pub fn job(client: &Client, id: &str) -> Result<JobRow, Failure> {
     }
 }
 
-/// The shortest distinct beginnings of ids of one length, at least the digits of their time.
+/// The shortest distinct beginnings of ids of one length, at least the digits of their time; with `--wide` the ids.
 pub fn shorten_ids(ids: &[&str]) -> Vec<String> {
     /// `job_` and the time of a UUID in milliseconds.
     const USUAL: usize = 16;
-    let is_unique = |length: usize| {
-        let beginnings: BTreeSet<&str> = ids.iter().map(|id| &id[..length.min(id.len())]).collect();
-        beginnings.len() == ids.len()
-    };
+    let distinct: BTreeSet<&str> = ids.iter().copied().collect();
     let longest = ids.iter().map(|id| id.len()).max().unwrap_or(0);
-    let length = (USUAL..longest)
-        .find(|&length| is_unique(length))
-        .unwrap_or(longest);
-    ids.iter()
-        .map(|id| id[..length.min(id.len())].to_owned())
-        .collect()
+    let is_unique = |length: &usize| {
+        let beginnings: BTreeSet<&str> = distinct.iter().map(|id| begin_id(id, *length)).collect();
+        beginnings.len() == distinct.len()
+    };
+    let length = match terminal::is_wide() {
+        true => longest,
+        false => (USUAL..longest).find(is_unique).unwrap_or(longest),
+    };
+    ids.iter().map(|id| begin_id(id, length).to_owned()).collect()
+}
+
+/// The beginning that names a job; with `--wide` the whole id.
+pub fn shorten_id(id: &str) -> String {
+    shorten_ids(&[id]).concat()
+}
+
+/// An id from a service may have any characters.
+fn begin_id(id: &str, length: usize) -> &str {
+    id.get(..length).unwrap_or(id)
 }
 
 /// The dataset or sealed version of this name, with its columns.
@@ -115,13 +128,11 @@ fn is_id(prefix: &str, name: &str) -> bool {
 fn unknown_job(client: &Client, id: &str) -> Result<Failure, Failure> {
     let newest = client.jobs(None, None, MOST_LISTED)?;
     let ids: Vec<String> = newest.iter().map(|job| job.id.clone()).collect();
+    let shortened = shorten_ids(&ids.iter().map(String::as_str).collect::<Vec<_>>());
     let described: Vec<String> = newest
         .iter()
-        .map(
-            |JobRow {
-                 id, dataset, state, ..
-             }| format!("{id} ({dataset}, {state})"),
-        )
+        .zip(shortened)
+        .map(|(JobRow { dataset, state, .. }, id)| format!("{id} ({dataset}, {state})"))
         .collect();
     Ok(Unknown::new("job", "newest jobs", id).failure_with(&ids, &described))
 }
@@ -199,6 +210,13 @@ mod tests {
             ]
         );
         assert_eq!(shorten_ids(&ids[..1]), ["job_0123456789ab"]);
+        assert_eq!(shorten_ids(&[ids[0], ids[0]]), ["job_0123456789ab"; 2]);
+        assert_eq!(shorten_id("job_äöüäöüäöüäöüäöü"), "job_äöüäöü");
+        assert_eq!(
+            shorten_id("job_aäöüäöüäöü"),
+            "job_aäöüäöüäöü",
+            "no whole characters"
+        );
         assert!(shorten_ids(&[]).is_empty());
     }
 

@@ -14,6 +14,7 @@ pub mod colors;
 mod commands;
 pub mod exit;
 pub mod files;
+pub mod filter;
 pub mod job;
 pub mod known;
 pub mod options;

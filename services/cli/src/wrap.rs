@@ -1,6 +1,6 @@
 //! Text in lines of a limited width.
 
-/// Characters after which a word that is wider than a line is broken.
+/// A word wider than a line is broken after one of these characters.
 const BREAKS: [char; 9] = ['.', ',', '/', '(', ')', '_', '-', '=', '&'];
 
 /// The lines of a text, each of this width at most. They are broken between words; a word wider than a line is broken after one of
@@ -40,7 +40,7 @@ fn split_word(word: &str, width: usize) -> (&str, &str) {
     word.split_at(end)
 }
 
-/// A paragraph: lines of at most `width`, of which those after the first begin with `indent` spaces. Without a width it is one line.
+/// A paragraph with a hanging indent: lines of at most `width`. Without a width it is one line.
 pub(crate) fn paragraph(text: &str, indent: usize, width: Option<usize>) -> String {
     /// Least columns that an indented text keeps.
     const LEAST: usize = 24;
@@ -56,7 +56,7 @@ pub(crate) fn paragraph(text: &str, indent: usize, width: Option<usize>) -> Stri
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Columns that a text takes.
+/// Width of a text in columns.
 pub(crate) fn length(text: &str) -> usize {
     text.chars().count()
 }

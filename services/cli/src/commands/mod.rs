@@ -55,15 +55,15 @@ pub(crate) enum Command {
     Render(cli::render::Arguments),
     /// Put the images of a ROS recording into water
     Bag(bag::Arguments),
-    /// Show the progress of a set
+    /// Show the progress of a sharded dataset
     Status(status::Arguments),
-    /// Verify that a sealed dataset or a set has not changed
+    /// Verify that a sealed dataset or a sharded dataset has not changed
     Verify(cli::seal::VerifyArguments),
-    /// Import the images of a set into a service; their bytes stay in the set
+    /// Import the images of a sharded dataset into a service; their bytes stay in its shards
     Import(cli::import::Arguments),
-    /// Seal a dataset as a version that never changes, or a set with its manifest
+    /// Seal a dataset as a version that never changes, or a sharded dataset with its manifest
     Seal(cli::seal::SealArguments),
-    /// Remove files of a set that belong to no shard
+    /// Remove files of a sharded dataset that belong to no shard
     Gc(gc::Arguments),
     /// Write a job that starts from a site, with a comment on each field
     New(new::Arguments),
@@ -166,7 +166,7 @@ impl Command {
             Self::Man(arguments) => completions::write_pages(&arguments, command()),
             Self::Query(arguments) => query::run(&arguments),
             Self::Stats(arguments) => stats::run(&arguments),
-            Self::Export(arguments) => export::run(&arguments),
+            Self::Export(arguments) => export::run(arguments),
             Self::Upload(arguments) => upload::run(arguments),
             Self::Scrub(arguments) => scrub::run(&arguments),
             Self::Backup(arguments) => backup::run(&arguments),

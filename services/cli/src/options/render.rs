@@ -19,7 +19,7 @@ use crate::styles::StyleArguments;
 pub struct Arguments {
     /// The job: a frame description as JSON, with random distributions
     pub spec: PathBuf,
-    /// Folder for the frames and records.jsonl; s3://BUCKET/PREFIX or file:///FOLDER for a set of shards
+    /// Folder for the frames and records.jsonl; s3://BUCKET/PREFIX or file:///FOLDER for a sharded dataset
     #[arg(long, value_name = "DIR|URL")]
     pub out: PathBuf,
     /// Frames rendered in parallel, one thread each [default: the number of cores]
@@ -31,21 +31,21 @@ pub struct Arguments {
     pub set: SetArguments,
 }
 
-/// Options of sets only.
+/// Options of sharded datasets only.
 #[derive(clap::Args)]
 pub struct SetArguments {
-    /// Write a set, and of it only the shards K with K % N = I
+    /// Write a sharded dataset, and of it only the shards K with K % N = I
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
     /// Only these frames, from A up to and without B; of a sharded dataset whole shards
     #[arg(long, value_name = "A..B")]
     pub frames: Option<String>,
-    /// Write a set of shards of this many frames [default: 500, or as the set was begun]
+    /// Write a sharded dataset with this many frames in a shard [default: 500, or as it was begun]
     #[arg(long, value_name = "FRAMES")]
     pub frames_per_shard: Option<u64>,
     #[command(flatten)]
     pub limits: LimitArguments,
-    /// Interval between checks whether the set was cancelled
+    /// Interval between checks whether the sharded dataset was cancelled
     #[arg(long, default_value_t = 15.0, value_parser = seconds)]
     pub state_interval_s: f64,
     #[command(flatten)]

@@ -7,7 +7,7 @@ use crate::styles::StyleArguments;
 /// Options of `fathom seal`.
 #[derive(clap::Args)]
 pub struct SealArguments {
-    /// A dataset of the service, or a set, which has a slash in its name: s3://BUCKET/PREFIX, /FOLDER, ./FOLDER
+    /// A dataset of the service, or a sharded dataset (SET), which has a slash in its name: s3://BUCKET/PREFIX, /FOLDER, ./FOLDER
     #[arg(value_name = "DATASET|SET")]
     pub what: String,
     /// Of a dataset: print the version as JSON
@@ -22,7 +22,7 @@ pub struct SealArguments {
 /// Options of `fathom verify`.
 #[derive(clap::Args)]
 pub struct VerifyArguments {
-    /// A sealed version of a dataset, such as tour@1, or a set, which has a slash in its name: s3://BUCKET/PREFIX, /FOLDER, ./FOLDER
+    /// A sealed version of a dataset, such as tour@1, or a sharded dataset (SET), which has a slash in its name: s3://BUCKET/PREFIX, /FOLDER, ./FOLDER
     #[arg(value_name = "DATASET@VERSION|SET")]
     pub what: String,
     /// Of a version: also read the bytes of every artifact
@@ -31,10 +31,10 @@ pub struct VerifyArguments {
     /// Of a version: print the findings as JSON
     #[arg(long)]
     pub json: bool,
-    /// Of a set: read only this number of shards, spread over the set
+    /// Of a sharded dataset: read only this number of shards, spread over all
     #[arg(long, value_name = "SHARDS")]
     pub sample: Option<u64>,
-    /// Of a set: render this number of frames again, spread over the set, and compare them
+    /// Of a sharded dataset: render this number of frames again, spread over all, and compare them
     #[arg(long, value_name = "FRAMES", default_value_t = 0)]
     pub render: u64,
     #[command(flatten)]

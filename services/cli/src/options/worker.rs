@@ -12,7 +12,7 @@ pub struct Arguments {
     pub server: ServerArguments,
     #[command(flatten)]
     pub engine: EngineArguments,
-    /// With a broker: the folder or s3://BUCKET/PREFIX below which this worker renders sets
+    /// With a broker: the folder or s3://BUCKET/PREFIX below which this worker renders sharded datasets
     #[arg(long, env = "FATHOM_STORE", value_name = "DIR|URL", requires = "engine")]
     pub store: Option<String>,
     /// Frames rendered in parallel, one thread each

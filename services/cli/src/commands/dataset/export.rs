@@ -21,6 +21,7 @@ mod output;
 mod role;
 
 use cli::exit::Failure;
+use cli::filter::expand_jobs;
 use cli::progress::Progress;
 use client::{ImageQuery, PAGE_ROWS};
 
@@ -36,7 +37,7 @@ use output::work::Export;
 const MOST_GROWTH: u64 = 2;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(mut arguments: Arguments) -> Result<(), Failure> {
     let format = arguments.format;
     arguments.objects.check(format)?;
     if let Some(frames) = arguments.shard_size.filter(|_| !format.is_sharded()) {
@@ -46,6 +47,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let client = arguments.server.client();
+    arguments.filter = expand_jobs(&client, &arguments.filter)?;
+    let arguments = &arguments;
     let mut selection = Selection::read(&client, arguments)?;
     let split = arguments.split.as_ref();
     let mut card = format.card(

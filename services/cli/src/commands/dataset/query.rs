@@ -1,11 +1,12 @@
 //! `fathom query`: lists images by their parameters and metrics.
 
 use cli::exit::Failure;
+use cli::filter::expand_jobs;
 use cli::known;
 use cli::plural::count;
 use cli::remote::ServerArguments;
 use cli::table::image_table;
-use client::ImageQuery;
+use client::{ImageQuery, ImageRow};
 
 /// Options of `fathom query`.
 #[derive(clap::Args)]
@@ -32,17 +33,18 @@ pub(crate) struct Arguments {
     server: ServerArguments,
 }
 
-/// Columns shown by default.
-const USUAL_FIELDS: [&str; 9] = [
+/// Columns shown by default, unless no image has a value. A narrow terminal leaves out the last ones.
+const USUAL_FIELDS: [&str; 10] = [
     "job",
     "frame",
-    "water.optics",
+    "site",
     "water.style",
     "alpha",
-    "entropy",
-    "uicm",
     "uiqm",
     "uciqe",
+    "uicm",
+    "entropy",
+    "water.optics",
 ];
 
 /// Runs the command.
@@ -52,9 +54,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if fields.is_empty() {
         fields.extend(USUAL_FIELDS.map(str::to_owned));
     }
-    let rows = client.images(ImageQuery {
+    let mut rows = client.images(ImageQuery {
         dataset: arguments.dataset.as_deref(),
-        filter: &arguments.filter,
+        filter: &expand_jobs(&client, &arguments.filter)?,
         order_by: arguments.order_by.as_deref(),
         fields: &fields,
         limit: arguments.limit,
@@ -66,7 +68,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         rows.iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
+    if arguments.fields.is_empty() {
+        fields.retain(|field| rows.is_empty() || rows.iter().any(|row| !row.value(field).is_null()));
+    }
+    shorten_jobs(&mut rows);
     println!("{}", image_table(&fields, &rows));
     println!("{}", count(rows.len(), "image"));
     Ok(())
+}
+
+/// Replaces the ids of jobs by their beginnings.
+fn shorten_jobs(rows: &mut [ImageRow]) {
+    let ids: Vec<String> = rows
+        .iter()
+        .map(|row| row.text("job").unwrap_or_default().to_owned())
+        .collect();
+    let ids = known::shorten_ids(&ids.iter().map(String::as_str).collect::<Vec<_>>());
+    for (row, id) in rows.iter_mut().zip(ids) {
+        if let Some(job) = row.0.get_mut("job") {
+            *job = id.into();
+        }
+    }
 }

@@ -60,8 +60,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn target(client: &Client, name: &str) -> Result<Target, Failure> {
-    if known::is_job_id(name) {
+    // A dataset may have a name that begins like an id.
+    if known::is_job_id(name) || (name.starts_with("job_") && client.dataset(name)?.is_none()) {
         let JobRow {
+            id,
             dataset,
             state,
             done,
@@ -69,8 +71,8 @@ fn target(client: &Client, name: &str) -> Result<Target, Failure> {
             ..
         } = known::job(client, name)?;
         return Ok(Target {
-            path: format!("/v1/jobs/{}", encode(name)),
-            described: format!("job {name} of dataset {dataset} ({state}, {done} of {frames} frames)"),
+            path: format!("/v1/jobs/{}", encode(&id)),
+            described: format!("job {id} of dataset {dataset} ({state}, {done} of {frames} frames)"),
         });
     }
     if known::is_scene_id(name) {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use cli::classes::{self, Named, SceneClasses};
 use cli::exit::Failure;
 use cli::files;
+use cli::filter::expand_jobs;
 use cli::known;
 use cli::remote::ServerArguments;
 use cli::sheet::{Tile, sheet, with_legend};
@@ -41,11 +42,12 @@ pub(crate) struct Arguments {
 
 const COLUMNS: usize = 6;
 const TILE_PX: usize = 320;
-pub(crate) const FIELDS: [&str; 10] = [
+pub(crate) const FIELDS: [&str; 11] = [
     classes::COLUMNS[0],
     classes::COLUMNS[1],
     "job",
     "frame",
+    "site",
     "scene.seed",
     "water.optics",
     "water.style",
@@ -56,14 +58,15 @@ pub(crate) const FIELDS: [&str; 10] = [
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let client = arguments.server.client();
     let query = ImageQuery {
         dataset: Some(&arguments.dataset),
-        filter: &arguments.filter,
+        filter: &expand_jobs(&client, &arguments.filter)?,
         order_by: arguments.order_by.as_deref(),
         fields: &FIELDS.map(str::to_owned),
         limit: arguments.limit,
     };
-    draw(&arguments.server.client(), query, &arguments.kind, &arguments.out)?;
+    draw(&client, query, &arguments.kind, &arguments.out)?;
     println!("{}", arguments.out.display());
     Ok(())
 }
@@ -116,31 +119,62 @@ fn fetch(client: &Client, row: &ImageRow, kind: &str) -> Result<Stored, Failure>
     }
 }
 
+/// Frame and place, then seed and metrics; missing values are left out.
 fn caption(row: &ImageRow) -> Vec<String> {
-    vec![
-        format!(
-            "#{} {} + {} a={}",
-            cell(row.value("frame")),
-            short_name(row, "water.optics"),
-            short_name(row, "water.style"),
-            two_decimals(row, "alpha")
-        ),
-        format!(
-            "seed {}  uiqm {}  uciqe {}",
-            cell(row.value("scene.seed")),
-            two_decimals(row, "uiqm"),
-            two_decimals(row, "uciqe")
-        ),
-    ]
+    let place = match row.text("site") {
+        Some(site) => Some(site.to_owned()),
+        None => short_name(row, "water.optics"),
+    };
+    let style = short_name(row, "water.style");
+    let alpha = style.as_ref().and_then(|_| row.number("alpha"));
+    let frame = Some(format!("#{}", cell(row.value("frame"))));
+    let water = [place, style]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" + ");
+    let first = [
+        frame,
+        Some(water).filter(|water| !water.is_empty()),
+        alpha.map(|alpha| format!("a={alpha:.2}")),
+    ];
+    let metric = |name| row.number(name).map(|value| format!("{name} {value:.2}"));
+    let seed = row.value("scene.seed");
+    let second = [
+        (!seed.is_null()).then(|| format!("seed {}", cell(seed))),
+        metric("uiqm"),
+        metric("uciqe"),
+    ];
+    vec![join_words(first, " "), join_words(second, "  ")]
+}
+
+fn join_words(words: [Option<String>; 3], gap: &str) -> String {
+    words.into_iter().flatten().collect::<Vec<_>>().join(gap)
 }
 
 /// A name without its source, in the characters of the font.
-fn short_name(row: &ImageRow, column: &str) -> String {
-    let name = cell(row.value(column));
-    name.split('/').next().unwrap_or_default().replace('–', "-")
+fn short_name(row: &ImageRow, column: &str) -> Option<String> {
+    let name = row.text(column)?;
+    Some(name.split('/').next().unwrap_or_default().replace('–', "-"))
 }
 
-fn two_decimals(row: &ImageRow, column: &str) -> String {
-    let value = row.number(column);
-    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_caption_has_the_site_and_no_missing_values() {
+        let shown = |row| caption(&serde_json::from_value(row).unwrap());
+        let of_site = json!({"frame": 3, "site": "shaft", "water.optics": "jerlov-3C/x", "scene.seed": 7, "uiqm": 0.514});
+        assert_eq!(shown(of_site), ["#3 shaft", "seed 7  uiqm 0.51"]);
+        let styled = json!({"frame": 0, "water.optics": "jerlov-3C/williamson2022", "water.style": "muddy",
+            "alpha": 0.5, "uiqm": 1.0, "uciqe": 0.333});
+        assert_eq!(
+            shown(styled),
+            ["#0 jerlov-3C + muddy a=0.50", "uiqm 1.00  uciqe 0.33"]
+        );
+        assert_eq!(shown(json!({"frame": 1, "alpha": 1})), ["#1", ""]);
+    }
 }

@@ -2,6 +2,7 @@
 
 use catalogue::compare_groups;
 use cli::exit::Failure;
+use cli::filter::expand_jobs;
 use cli::known;
 use cli::remote::ServerArguments;
 use cli::table::{cell, optional_decimal, table};
@@ -86,7 +87,7 @@ fn statistics(client: &Client, arguments: &Arguments, dataset: &str) -> Result<V
     let query = StatisticsQuery {
         metrics: &arguments.metrics.join(","),
         by: &arguments.by.join(","),
-        filter: &arguments.filter,
+        filter: &expand_jobs(client, &arguments.filter)?,
         ..StatisticsQuery::default()
     };
     Ok(client.statistics(dataset, query)?.groups)

@@ -14,7 +14,7 @@ const PAGE: &str = concat!(
 );
 /// Line of the page where the generated part begins.
 const BEGIN: &str = "<!-- Generated from here on by `FATHOM_WRITE=1 cargo test -p cli page`. -->\n";
-/// An option with the same meaning in at least this many commands is described once.
+/// An option with the same meaning in at least this many commands, and in most that have it, is described once.
 const SHARED: usize = 7;
 
 /// Commands by the row of an option, which is the same for options of equal name, default and meaning.
@@ -36,8 +36,8 @@ fn generate() -> String {
     page.extend(
         commands
             .iter()
-            .filter(|(_, users)| users.len() >= SHARED)
-            .map(|(row, _)| row.as_str()),
+            .map(|(row, _)| row.as_str())
+            .filter(|row| is_shared(row, &commands)),
     );
     for topic in TOPICS {
         writeln!(page, "\n## {}", topic.title).unwrap();
@@ -59,6 +59,20 @@ fn collect_rows(command: &Command, commands: &mut Commands) {
     }
 }
 
+/// Whether a row describes an option of many commands, which means the same in most that have it.
+fn is_shared(row: &str, commands: &Commands) -> bool {
+    let name = option_name(row);
+    let same_name = commands.iter().filter(|(other, _)| option_name(other) == name);
+    let total: usize = same_name.map(|(_, users)| users.len()).sum();
+    let users = commands[row].len();
+    row.starts_with("| `--") && users >= SHARED && 2 * users > total
+}
+
+/// The first cell of a row.
+fn option_name(row: &str) -> &str {
+    row.split(" | ").next().unwrap_or(row)
+}
+
 fn write_command(page: &mut String, command: &mut Command, example: Option<&str>, commands: &Commands) {
     let usage = command.render_usage().to_string();
     let usage = usage.trim_start_matches("Usage: ").replace("\n       ", "` or `");
@@ -68,7 +82,7 @@ fn write_command(page: &mut String, command: &mut Command, example: Option<&str>
     let (shared, own): (Vec<&Arg>, Vec<&Arg>) = command
         .get_arguments()
         .filter(|arg| is_own(arg))
-        .partition(|arg| commands[&format_row(arg)].len() >= SHARED);
+        .partition(|arg| is_shared(&format_row(arg), commands));
     if !own.is_empty() {
         page.push_str("\n| argument | default | meaning |\n|---|---|---|\n");
         page.extend(own.into_iter().map(format_row));

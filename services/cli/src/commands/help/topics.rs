@@ -35,14 +35,14 @@ pub(super) const TOPICS: &[Topic] = topics! {
     "Job commands" {
         "submit" "fathom submit job.json --wait";
         "jobs" "fathom jobs --state running";
-        "wait" "fathom wait job_0198c0ffee007000800000000000000a";
-        "errors" "fathom errors job_0198c0ffee007000800000000000000a";
-        "retry" "fathom retry job_0198c0ffee007000800000000000000a";
-        "finish-elsewhere" "fathom finish-elsewhere job_0198c0ffee007000800000000000000a";
-        "start-again" "fathom start-again job_0198c0ffee007000800000000000000a";
-        "pause" "fathom pause job_0198c0ffee007000800000000000000a";
-        "resume" "fathom resume job_0198c0ffee007000800000000000000a";
-        "cancel" "fathom cancel job_0198c0ffee007000800000000000000a";
+        "wait" "fathom wait job_0198c0ffee00";
+        "errors" "fathom errors job_0198c0ffee00";
+        "retry" "fathom retry job_0198c0ffee00";
+        "finish-elsewhere" "fathom finish-elsewhere job_0198c0ffee00";
+        "start-again" "fathom start-again job_0198c0ffee00";
+        "pause" "fathom pause job_0198c0ffee00";
+        "resume" "fathom resume job_0198c0ffee00";
+        "cancel" "fathom cancel job_0198c0ffee00";
         "list" "fathom list enhancements";
     }
     "Dataset commands" {

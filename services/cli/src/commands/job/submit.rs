@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use cli::exit::Failure;
 use cli::files;
+use cli::known::shorten_id;
 use cli::plural::{count, describe_bytes, describe_duration};
 use cli::progress::Progress;
 use cli::remote::ServerArguments;
+use cli::terminal::text_width;
+use cli::wrap::paragraph;
 use client::{Client, Estimate, FrameWarning, JobPreview, JobRow, JobState};
 use serde_json::json;
 
@@ -75,6 +78,7 @@ fn show_preview(preview: &JobPreview, as_json: bool) {
         slots,
         slot_seconds,
         frame_seconds,
+        measured,
     } = preview.estimate;
     println!(
         "{} · about {} on {} · price {} of slots, at most {} a frame · about {}; nothing was submitted",
@@ -85,6 +89,11 @@ fn show_preview(preview: &JobPreview, as_json: bool) {
         describe_slot_time(frame_seconds),
         describe_bytes(bytes)
     );
+    if !measured {
+        let remark = "the times are typical figures, since this service has not rendered frames of this kind yet; they may be several \
+                      times too low";
+        println!("{}", paragraph(remark, 0, text_width()));
+    }
 }
 
 /// Such as `0.35 s` or `2 min 5 s`.
@@ -95,7 +104,7 @@ fn describe_slot_time(seconds: f64) -> String {
     }
 }
 
-/// Prints a job on a line, and its digest once it has one.
+/// Prints a job on a line, with the beginning of its id, and its digest once it has one.
 pub(crate) fn show(job: &JobRow, as_json: bool) {
     if as_json {
         println!("{}", json!(job));
@@ -114,8 +123,9 @@ pub(crate) fn show(job: &JobRow, as_json: bool) {
         0 => String::new(),
         unproven => format!(" · {unproven} unproven"),
     };
+    let id = shorten_id(id);
     println!(
-        "job {id} · dataset {dataset} · {state} · {done} of {}{unproven}",
+        "{id} · dataset {dataset} · {state} · {done} of {}{unproven}",
         count(frames, "frame")
     );
     if let Some(digest) = &job.digest {
@@ -148,6 +158,7 @@ pub(crate) fn all_rendered(job: &JobRow) -> Result<(), Failure> {
         frames,
         ..
     } = job;
+    let id = shorten_id(id);
     match job.state {
         JobState::DoneWithFailures => Err(Failure::SomeFrames {
             failed: *failed,
@@ -155,7 +166,7 @@ pub(crate) fn all_rendered(job: &JobRow) -> Result<(), Failure> {
             hint: format!("; see `fathom errors {id}`"),
         }),
         JobState::Cancelled => {
-            Err(anyhow::anyhow!("job {id} was cancelled with {done} of {frames} frames done").into())
+            Err(anyhow::anyhow!("{id} was cancelled with {done} of {frames} frames done").into())
         }
         JobState::Queued | JobState::Running | JobState::Paused | JobState::Done => Ok(()),
     }
@@ -187,7 +198,8 @@ pub(crate) fn wait(client: &Client, job: &JobRow) -> Result<JobRow, Failure> {
         progress.set(job.done + job.failed);
         let is_paused = job.state == JobState::Paused;
         if is_paused && !was_paused {
-            eprintln!("job {id} is paused; resume it with `fathom resume {id}`");
+            let id = shorten_id(id);
+            eprintln!("{id} is paused; resume it with `fathom resume {id}`");
         }
         was_paused = is_paused;
         if job.state.has_ended() {

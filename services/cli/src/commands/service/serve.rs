@@ -68,8 +68,8 @@ pub(crate) struct Arguments {
     /// after their last of each job. A worker that differs is dismissed. 0: none
     #[arg(long, env = "FATHOM_SPOT_CHECK", default_value_t = 200, value_name = "FRAMES")]
     pub(crate) spot_check: u64,
-    /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times. With --engine one:
-    /// jobs become sets in it
+    /// Folder or s3://BUCKET/PREFIX below which clients may have sharded datasets imported; may be given several times. With --engine one:
+    /// jobs become sharded datasets in it
     #[arg(
         long = "store",
         env = "FATHOM_STORE",

@@ -9,7 +9,7 @@ use super::open::open;
 /// Options of `fathom gc`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Folder or s3://BUCKET/PREFIX
+    /// The sharded dataset: a folder or s3://BUCKET/PREFIX
     set: String,
     /// Keep files that are younger, such as 90m, 12h or 1d: a shard that is being rendered has files and no marker
     #[arg(long, default_value = "1d", value_parser = age_ms)]

@@ -1,4 +1,4 @@
-//! `fathom status`: how much of a set is done.
+//! `fathom status`: how much of a sharded dataset is done.
 
 use std::thread;
 use std::time::Duration;
@@ -17,7 +17,7 @@ const LOOK: Duration = Duration::from_secs(2);
 /// Options of `fathom status`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Folder or s3://BUCKET/PREFIX
+    /// The sharded dataset: a folder or s3://BUCKET/PREFIX
     set: String,
     /// Show a progress bar until everything is done
     #[arg(long)]

@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) objects: ObjectFilter,
     /// License for the card, such as cc-by-4.0; the card also lists the licenses of waters and styles
-    #[arg(long, default_value = "other", value_name = "LICENSE")]
+    #[arg(long, alias = "licence", default_value = "other", value_name = "LICENSE")]
     pub(super) license: String,
     /// The folder to fill; existing files with the right digest are kept
     #[arg(long, value_name = "DIR")]
