@@ -1,6 +1,6 @@
 //! `fathom demo`: the main use of the program, end to end on one machine.
 //!
-//! Starts a service with workers on a free port, submits a job of 24 frames, waits for it, prints the dataset's
+//! Starts a service with workers on a free port, submits a job of 18 frames, waits for it, prints the dataset's
 //! metrics and writes a contact sheet. It uses HTTP, leases and commits as in production. With `--open` the service keeps
 //! running, and a browser opens its page.
 
@@ -12,6 +12,7 @@ use std::time::Instant;
 use anyhow::Context;
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
+use cli::known::shorten_id;
 use cli::remote::LOCAL_SERVICE;
 use cli::styles::StyleArguments;
 use cli::table::{DASH, cell, image_table, table};
@@ -34,7 +35,7 @@ pub(crate) struct Arguments {
     style: StyleArguments,
 }
 
-/// The job of the demonstration: frames of six sites.
+/// The job of the demonstration: three small frames of each of six sites, about 20 s on one core.
 const SITES: &str = include_str!("../../../../../examples/sites.json");
 const ROW_FIELDS: [&str; 8] = [
     "frame",
@@ -93,8 +94,8 @@ fn show(client: &Client, out: &Path) -> Result<(), Failure> {
     let job = submit::submit(client, SITES.as_bytes(), None, false)?;
     let job = submit::wait(client, &job)?;
     println!(
-        "\njob {}: {} of {} frames in {:.1} s\n",
-        job.id,
+        "\n{}: {} of {} frames in {:.1} s\n",
+        shorten_id(&job.id),
         job.done,
         job.frames,
         begun.elapsed().as_secs_f64()
@@ -127,7 +128,7 @@ fn show(client: &Client, out: &Path) -> Result<(), Failure> {
 
 /// The address of the demonstration on the page of a service.
 fn page_address(server: &str) -> String {
-    format!("{server}/#/set/sites")
+    format!("{server}/#/dataset/sites")
 }
 
 /// Opens an address in the browser of the desktop, if there is one.
