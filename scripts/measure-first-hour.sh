@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Measures the first hour of a user in a fresh clone of HEAD: minutes from the clone to the first picture, and lines and minutes from there to
-# the first training batch and to the first query over metrics. For docs/science/speed.md; needs an idle machine, a network and 4 GB of disk.
+# the first training batch and to the first query over metrics. The crates are downloaded before, since that depends on the network alone;
+# docs/science/speed.md has the other rows. Needs an idle machine, a network and 4 GB of disk.
 # Usage: scripts/measure-first-hour.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -49,7 +50,7 @@ query() {
 
 uptime
 printf '%-36s %5s %8s\n' figure lines minutes
-measure 'download of the crates' 1 cargo fetch --locked
+measure 'before: download of the crates' - cargo fetch --locked
 measure 'clone to the first picture' 1 bash scripts/run.sh
 measure 'then to the first training batch' "$(count_lines docs/tutorials/train-a-segmenter.md train_segmentation.py)" train
 measure 'then to the first query over metrics' "$(count_lines docs/guide/datasets-and-queries.md 'fathom query')" query
