@@ -29,7 +29,7 @@ use style::{styles, train, waters};
 #[derive(Parser)]
 #[command(name = "fathom", version, max_term_width = 100)]
 pub(crate) struct Arguments {
-    /// Print tables as wide as they are, beyond the terminal
+    /// Print tables and remarks beyond the width of the terminal, and whole ids of jobs
     #[arg(long, global = true, display_order = 900)]
     pub(crate) wide: bool,
     /// End when standard input does
