@@ -1,4 +1,4 @@
-//! Filters of commands, in which a job may be named by the beginning of its id.
+//! Filters of commands: a job may be named by the beginning of its id.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use client::Client;
 use crate::exit::Failure;
 use crate::known;
 
-/// Words that stand between a column and its values.
+/// Words between a column and its values.
 const OPERATORS: [&str; 4] = ["not", "in", "between", "and"];
 
 /// The filter with whole ids in place of the beginnings that `job` is compared with, such as `job == "job_0198c0ffee00"`.

@@ -43,7 +43,7 @@ impl Sets {
     fn reader(&self) -> Result<&Reader, Problem> {
         self.reader.as_ref().ok_or_else(|| {
             let remedy =
-                "start it with `--store FOLDER` or `--store s3://BUCKET/PREFIX`, from which it may import";
+                "start it with `--store FOLDER` or `--store s3://BUCKET/PREFIX` to permit imports from there";
             Problem::new(Slug::ImportsDisabled, remedy)
         })
     }
