@@ -146,7 +146,7 @@ def test_a_chart_is_drawn_again_when_the_window_becomes_narrow(visit):
     page = visit("speed")
     page.wait_for_selector(".chart text.tick.x")
     shape = "document.querySelector('svg.curves').viewBox.baseVal.width"
-    assert page.evaluate(shape) == 640
+    assert page.evaluate(shape) > 500
     page.set_viewport_size({"width": 390, "height": 800})
     until(page, f"{shape} < 390")
 
