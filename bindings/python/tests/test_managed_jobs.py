@@ -18,7 +18,8 @@ from fathom import _native
 from fathom.client import Scene, Submitted
 from service_stand_in import Reply, reply_json, serve
 
-PICTURE = np.full((12, 16, 3), 90, np.uint8)
+# Bytes that no other test uploads: the service is shared, and equal files are one scene.
+PICTURE = np.random.default_rng(77).integers(0, 99, (12, 16, 3), np.uint8)
 WATER = {
     "name": "dock-7",
     "source": "our transmissometer",
@@ -38,8 +39,8 @@ def client(server: str) -> Any:
 @pytest.fixture(scope="module")
 def sealed(client: fathom.Client) -> Submitted:
     """Render and seal a small dataset."""
-    job = client.submit(description(dataset="sealed", count=2, seed=31)).wait()
-    assert client.seal("sealed")["name"] == "sealed@1"
+    job = client.submit(description(dataset="managed", count=2, seed=31)).wait()
+    assert client.seal("managed")["name"] == "managed@1"
     return job
 
 
@@ -102,26 +103,26 @@ def test_a_dry_run_has_the_price_and_submits_nothing(client: fathom.Client) -> N
 
 
 def test_a_job_is_rendered_again_on_request(client: fathom.Client, sealed: Submitted) -> None:
-    again = client.submit(description(dataset="sealed", count=2, seed=31), again=True).wait()
+    again = client.submit(description(dataset="managed", count=2, seed=31), again=True).wait()
     assert again.id != sealed.id
     again.delete()
 
 
 def test_a_sealed_version_is_verified(client: fathom.Client, sealed: Submitted) -> None:
-    [version] = client.versions("sealed")
-    found = client.verify("sealed@1", read_bytes=True)
+    [version] = client.versions("managed")
+    found = client.verify("managed@1", read_bytes=True)
     assert found["intact"]
     assert found["root"] == found["computed"] == version["root"]
     assert (found["images"], found["artifacts"]) == (2, 14)
     with pytest.raises(
-        fathom.InvalidArgument, match=r"must be a sealed version such as sealed@1, which `client\.versions"
+        fathom.InvalidArgument, match=r"must be a sealed version such as managed@1, which `client\.versions"
     ):
-        client.verify("sealed")
+        client.verify("managed")
     for call in (client.verify, client.delete):
-        with pytest.raises(fathom.Problem, match=r"no sealed version `sealed@7`.*are sealed@1"):
-            call("sealed@7")
-    with pytest.raises(fathom.Problem, match="did you mean `sealed`"):
-        client.versions("seald")
+        with pytest.raises(fathom.Problem, match=r"no sealed version `managed@7`.*are managed@1"):
+            call("managed@7")
+    with pytest.raises(fathom.Problem, match="did you mean `managed`"):
+        client.versions("manged")
 
 
 def test_a_dataset_is_deleted_after_its_seals(client: fathom.Client) -> None:
@@ -168,11 +169,11 @@ def test_waters_and_styles_are_listed_and_a_water_is_added(client: fathom.Client
 
 
 def test_a_contact_sheet_is_drawn(client: fathom.Client, sealed: Submitted, tmp_path: Path) -> None:
-    sheet = client.sheet("sealed", tmp_path / "sheet.png", kind="semantics", order_by="-uiqm", limit=1)
+    sheet = client.sheet("managed", tmp_path / "sheet.png", kind="semantics", order_by="-uiqm", limit=1)
     assert sheet == tmp_path / "sheet.png"
     assert _native.decode(sheet.read_bytes()).shape[1] >= 320
-    with pytest.raises(fathom.CommandError, match="did you mean `sealed`") as caught:
-        client.sheet("seald", tmp_path / "other.png")
+    with pytest.raises(fathom.CommandError, match="did you mean `managed`") as caught:
+        client.sheet("manged", tmp_path / "other.png")
     assert caught.value.status != 0
 
 
@@ -185,14 +186,14 @@ def test_the_async_client_manages_too(server: str, sealed: Submitted, tmp_path: 
             await job.cancel()
             assert (await job.delete())["jobs"] == 1
             assert (await client.dry_run(description(count=3)))["frames"] == 3
-            assert (await client.verify("sealed@1"))["intact"]
-            assert [row["name"] for row in await client.versions("sealed")] == ["sealed@1"]
+            assert (await client.verify("managed@1"))["intact"]
+            assert [row["name"] for row in await client.versions("managed")] == ["managed@1"]
             scene = await client.upload(PICTURE + 99)
             assert scene in await client.scenes()
             await client.delete(scene)
             assert len(await client.waters()) > 3
             assert await client.imports() == []
-            assert (await client.sheet("sealed", tmp_path / "sheet.webp")).stat().st_size > 100
+            assert (await client.sheet("managed", tmp_path / "sheet.webp")).stat().st_size > 100
 
     asyncio.run(run())
 
