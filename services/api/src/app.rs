@@ -29,6 +29,7 @@ use crate::processes::Processes;
 use crate::processes::child::Children;
 use crate::processes::compute::Compute;
 use crate::processes::decoding::Decoding;
+use crate::processes::lasting::Lasting;
 use crate::processes::live::Live;
 use crate::processes::pictures::PictureProcess;
 use crate::processes::scratch::Scratch;
@@ -204,7 +205,13 @@ fn new_processes(config: &Config, limits: &Limits, scratch: Scratch) -> Processe
             limits.decoding_mib,
         ),
         scratch,
-        live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options(), share)),
+        live: (config.workers > 0).then(|| {
+            Live::new(
+                || Lasting::new(program, "live", &config.data, config.style_options()),
+                config.workers.saturating_mul(config.slots_per_worker),
+                share,
+            )
+        }),
         pictures: (config.workers > 0)
             .then(|| PictureProcess::new(program, &config.data, config.style_options(), share)),
     }

@@ -1,10 +1,10 @@
-//! Preview frames while a value is dragged: rendered without a job, by a process that keeps running.
+//! Preview frames while a value is dragged: rendered without a job, by up to two processes that keep running.
 //!
 //! A job of one frame is stored, leased, uploaded, committed and deleted, each step flushed to disk, which took
-//! longer than the rendering. The process reads one description per line and replies with a line of JSON and the
+//! longer than the rendering. A process reads one description per line and replies with a line of JSON and the
 //! bytes of the image. If it fails, a job renders the frame and reports the error.
 
-use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use serde::Deserialize;
@@ -35,10 +35,18 @@ const BOUNDS: Bounds = Bounds {
     body_bytes: MAX_PICTURE_BYTES,
 };
 
-/// The process and its places.
+/// The processes and their places.
 pub(crate) struct Live {
-    process: Lasting,
+    processes: Vec<Lasting>,
+    /// Open frames of each process, including the waiting ones.
+    open: Mutex<Vec<usize>>,
     places: Budget,
+}
+
+/// Counts a frame of a process until it is dropped.
+struct Turn<'a> {
+    live: &'a Live,
+    index: usize,
 }
 
 /// An image that is not stored.
@@ -54,15 +62,15 @@ struct Head {
 }
 
 impl Live {
-    /// A process of this program on this data folder, with options for styles.
-    pub(crate) fn new(
-        program: &Path,
-        data: &Path,
-        options: Vec<(&'static str, PathBuf)>,
-        share: Share,
-    ) -> Self {
+    /// Maximum processes: a dragging user has two frames in flight.
+    const MAX_PROCESSES: usize = 2;
+
+    /// One process for each of the slots, at most two.
+    pub(crate) fn new(new_process: impl Fn() -> Lasting, slots: usize, share: Share) -> Self {
+        let count = slots.clamp(1, Self::MAX_PROCESSES);
         Self {
-            process: Lasting::new(program, "live", data, options),
+            processes: (0..count).map(|_| new_process()).collect(),
+            open: Mutex::new(vec![0; count]),
             places: Budget::new("previews", PLACES, share, Duration::ZERO),
         }
     }
@@ -78,7 +86,27 @@ impl Live {
         let _place = self.places.acquire(caller).await.ok()?;
         let mut request = json!({"spec": job.canonical()}).to_string();
         request.push('\n');
-        read(self.process.exchange(request.into_bytes(), BOUNDS).await.ok()?)
+        let turn = self.take_turn();
+        let process = &self.processes[turn.index];
+        read(process.exchange(request.into_bytes(), BOUNDS).await.ok()?)
+    }
+
+    /// A turn at the process with the fewest frames.
+    fn take_turn(&self) -> Turn<'_> {
+        let mut open = self.lock_open();
+        let index = (0..open.len()).min_by_key(|index| open[*index]).unwrap_or(0);
+        open[index] += 1;
+        Turn { live: self, index }
+    }
+
+    fn lock_open(&self) -> MutexGuard<'_, Vec<usize>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        self.live.lock_open()[self.index] -= 1;
     }
 }
 
@@ -102,6 +130,7 @@ fn is_small(frame: &Frame) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::path::{Path, PathBuf};
     use std::sync::Arc;
 
     use super::*;
@@ -115,26 +144,60 @@ mod tests {
         reply.ok().and_then(read).map(|drawn| drawn.bytes)
     }
 
-    #[tokio::test]
-    async fn a_caller_with_two_frames_leaves_places_for_others() {
+    /// Previews by a shell script in place of the program.
+    fn scripted(folder: &Path, script: &str, slots: usize) -> Arc<Live> {
         use std::os::unix::fs::PermissionsExt;
 
-        let folder = tempfile::tempdir().unwrap();
-        let program = folder.path().join("program");
-        std::fs::write(&program, "#!/bin/sh\nexec sleep 60\n").unwrap();
+        let program = folder.join("program");
+        std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
         let share = Share { percent: 50 };
-        let live = Arc::new(Live::new(&program, folder.path(), Vec::new(), share));
+        Arc::new(Live::new(
+            || Lasting::new(&program, "live", folder, Vec::new()),
+            slots,
+            share,
+        ))
+    }
+
+    fn small_job() -> Arc<Job> {
         let text = r#"{"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1},
                        "camera": {"width": 32, "height": 20}}"#;
         let library = style::Library::embedded().unwrap();
         let vocabulary = renderer::vocabulary(&library, false);
-        let job = Arc::new(Job::parse(text.as_bytes(), &vocabulary).unwrap());
+        Arc::new(Job::parse(text.as_bytes(), &vocabulary).unwrap())
+    }
+
+    /// Starts two frames of a caller at the same time.
+    fn draw_two(live: &Arc<Live>, job: &Arc<Job>) -> tokio::task::JoinSet<bool> {
         let mut drawing = tokio::task::JoinSet::new();
         for _ in 0..2 {
-            let (live, job) = (Arc::clone(&live), Arc::clone(&job));
+            let (live, job) = (Arc::clone(live), Arc::clone(job));
             drawing.spawn(async move { live.draw(&job, "a").await.is_some() });
         }
+        drawing
+    }
+
+    #[tokio::test]
+    async fn two_slots_render_two_frames_at_the_same_time() {
+        // Each process replies once both have a frame.
+        let script = r#"cd "$(dirname "$0")"; read line; : > $$.begun
+                        while [ "$(ls *.begun | wc -l)" -lt 2 ]; do sleep 0.01; done
+                        printf '{"media_type":"image/png","bytes":3}\nabc'; read line"#;
+        let folder = tempfile::tempdir().unwrap();
+        let live = scripted(folder.path(), script, 8);
+        assert_eq!(live.processes.len(), 2);
+        let drawn = draw_two(&live, &small_job()).join_all().await;
+        assert_eq!(drawn, [true, true]);
+        assert_eq!(*live.lock_open(), [0, 0]);
+        assert_eq!(scripted(folder.path(), script, 1).processes.len(), 1);
+    }
+
+    #[tokio::test]
+    async fn a_caller_with_two_frames_leaves_places_for_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let live = scripted(folder.path(), "exec sleep 60", 2);
+        let job = small_job();
+        let _drawing = draw_two(&live, &job);
         tokio::time::sleep(Duration::from_millis(100)).await;
         let wait = Duration::from_millis(300);
         let third = tokio::time::timeout(wait, live.draw(&job, "a")).await;
