@@ -132,6 +132,9 @@ impl Checker<'_> {
             && !matches!(shape, Shape::Labels)
             && let Some(key) = find_key(map)
         {
+            if let Some(rest) = self.refuse_misnamed_tiles(location, shape, map) {
+                return self.check(location, shape, laws, &rest);
+            }
             if laws {
                 return self.check_law(location, shape, key, map);
             }

@@ -145,6 +145,12 @@ mod tests {
         let pointers: Vec<_> = found.iter().map(|(pointer, _)| pointer.as_str()).collect();
         assert_eq!(pointers, ["/cut", "/cutoff", "/gain_low", "/median_px"]);
         assert!(errors("hscn")[0].1.contains("is not a known enhancement method"));
+        let grid = errors("hscm:grid=[8,8]");
+        assert_eq!(
+            (grid.len(), grid[0].0.as_str()),
+            (1, "/grid"),
+            "{grid:?}; not a distribution, but `tiles`"
+        );
         assert!(errors("hscm:cutoff")[0].1.contains("has no value"));
         assert!(errors("hscm:cutoff=1,cutoff=2")[0].1.contains("twice"));
         assert!(

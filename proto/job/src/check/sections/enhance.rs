@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::artifact::ArtifactKind;
 use crate::check::{Checker, Location, find_lists};
@@ -10,6 +10,7 @@ use crate::enhancement::parameters::Ibla;
 use crate::enhancement::{defaults, steps_of};
 use crate::invalid::FieldError;
 use crate::node::Node;
+use crate::schema::{Field, Shape};
 
 /// An enhancement that a frame can have.
 pub(crate) struct Possible<'a> {
@@ -50,6 +51,36 @@ impl Checker<'_> {
         }
         self.check_enhanced(document, &certain.unwrap_or_default());
         self.check_mask_sizes(document);
+    }
+
+    /// Rejects the field `grid` of parameters with `tiles`, and returns the other fields. As a distribution, `grid` has no
+    /// fields next to it, and its values are objects with parameters.
+    pub(crate) fn refuse_misnamed_tiles(
+        &mut self,
+        location: &Location,
+        shape: &Shape,
+        map: &Map<String, Value>,
+    ) -> Option<Value> {
+        let mut rest = map.clone();
+        let grid = rest.remove("grid")?;
+        let values = grid.as_array().map_or(&[][..], Vec::as_slice);
+        let is_distribution = rest.is_empty() && !values.is_empty() && values.iter().all(Value::is_object);
+        let fields = list_parameters(shape, map);
+        if is_distribution || !fields.iter().any(|field| field.name == "tiles") {
+            return None;
+        }
+        self.refuse(|| {
+            let message = format!("{location} has no field `grid` for the tiles of CLAHE across and down");
+            let names = fields.iter().map(|field| field.name);
+            let mut error = location
+                .field("grid")
+                .error(message)
+                .value(&grid)
+                .allowed(names, "grid");
+            error.did_you_mean = Some("tiles".to_owned());
+            error
+        });
+        Some(Value::Object(rest))
     }
 
     /// Every enhancement that an element of `enhance` can be.
@@ -160,6 +191,20 @@ impl Checker<'_> {
                 }
             }
         }
+    }
+}
+
+/// The declared parameters of a method: of a step of a chain, or of the method that an object names.
+fn list_parameters(shape: &Shape, map: &Map<String, Value>) -> &'static [Field] {
+    match shape {
+        Shape::Object(fields) => fields,
+        Shape::Either(_, object) => list_parameters(object, map),
+        Shape::Tagged { tag, options, .. } => {
+            let name = map.get(*tag).and_then(Value::as_str);
+            let option = options.iter().find(|option| Some(option.name) == name);
+            option.map_or(&[], |option| option.fields)
+        }
+        _ => &[],
     }
 }
 

@@ -101,6 +101,36 @@ fn an_enhancement_is_refused_at_the_field_that_is_wrong() {
 }
 
 #[test]
+fn a_grid_of_tiles_is_one_error_that_names_tiles_and_a_distribution_stays_one() {
+    let design = json!({"method": "hscm", "name": "wide", "cutoff": {"uniform": [16, 64]}, "clip": 2, "grid": [8, 8], "mask": "none"});
+    for (entry, pointer) in [
+        (design, "/enhance/0/grid"),
+        (json!({"method": "clahe", "grid": 8}), "/enhance/0/grid"),
+        (
+            json!({"name": "mine", "steps": [{"udcp": {}}, {"clahe": {"grid": [8, 8]}}]}),
+            "/enhance/0/steps/1/clahe/grid",
+        ),
+    ] {
+        let error = only_error(json!({"enhance": [entry]}));
+        assert_eq!(
+            (error.pointer.as_str(), error.did_you_mean.as_deref()),
+            (pointer, Some("tiles"))
+        );
+        assert!(error.message.contains("no field `grid`"), "{}", error.message);
+    }
+    let grid_of_methods = json!({"grid": [{"method": "clahe", "clip": 3}, "hscm"]});
+    let grid_of_parameters =
+        json!({"name": "mine", "steps": [{"clahe": {"clip": {"grid": [1, 2]}, "tiles": [4, 4]}}]});
+    job(&document_with(json!({"enhance": [grid_of_methods]})));
+    job(&document_with(json!({"enhance": [grid_of_parameters]})));
+    // Methods without tiles keep the message about distributions.
+    let error = errors(&document_with(
+        json!({"enhance": [{"method": "udcp", "grid": [8, 8]}]}),
+    ));
+    assert!(error[0].message.contains("`grid` distribution"), "{error:?}");
+}
+
+#[test]
 fn enhancements_of_a_frame_have_different_names() {
     let wide = |name: &str| json!({"method": "hscm", "name": name, "cutoff": 16});
     let wide_and = |other: Value| json!({"enhance": [wide("wide"), other], "artifacts": ["enhanced.wide"]});
