@@ -1,8 +1,12 @@
 //! Pictures that break published programs, and properties of every picture.
 
+use imaging::vector::vec3;
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 use proptest::prelude::*;
-use quality::{MetricId, Needs, QualityError, measure};
+use quality::{
+    CameraMotion, FrameFeatures, Illumination, MetricId, Motion, Needs, PreviousFrame, QualityError,
+    RelativePose, Sequence, Subject, TrueLight, measure, measure_subject,
+};
 
 /// Rounding at the ends of a range.
 const SLACK: f64 = 1e-9;
@@ -198,6 +202,82 @@ fn uiqm_is_the_weighted_sum_of_its_parts() {
         metric(&picture, "uiqm@table1"),
         sum("table1", [0.03712812, 0.33345, -0.34144])
     );
+}
+
+/// Illumination that falls off to the right, shown by a picture of a white wall.
+fn light_from_the_left(side: usize) -> Illumination {
+    let light = Plane::from_fn(side, side, |x, _| 1.0 - 0.9 * x as f32 / side as f32);
+    let input = Rgb8::from_fn(side, side, |x, y| [(250.0 * light.row(y)[x]) as u8; 3]);
+    Illumination::new(&TrueLight {
+        illumination: &light,
+        reflectance: &Plane::filled(side, side, 1.0),
+        input: &input,
+        mask: None,
+    })
+}
+
+/// All metrics of a picture that the previous frame of its path repeats.
+fn measure_everything(picture: &Rgb8, clean: &Rgb8, light: &Illumination) -> Vec<(MetricId, f64)> {
+    let (width, height) = (picture.width(), picture.height());
+    let motion = Motion {
+        positions: Plane::from_fn(width, height, |x, y| [x as f32 + 0.5, y as f32 + 0.5]),
+    };
+    let focal_px = width as f64 / 2.0;
+    let ray = |x: f64, y: f64| vec3(x / focal_px - 1.0, y / focal_px - 1.0, 1.0);
+    let camera = CameraMotion {
+        current: &ray,
+        previous: &ray,
+        pose: RelativePose {
+            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            translation: vec3(0.1, 0.0, 0.0),
+        },
+        pixel_rad: 1.0 / focal_px,
+        seed: 1,
+    };
+    let features = FrameFeatures::find(picture, None);
+    let previous = PreviousFrame {
+        features: &features,
+        motion: &motion,
+    };
+    let sequence = Sequence {
+        features: &features,
+        previous: &[previous],
+        camera: Some(camera),
+    };
+    let subject = Subject {
+        clean: Some(clean),
+        sequence: Some(&sequence),
+        illumination: Some(light),
+        ..Subject::new(picture)
+    };
+    measure_subject(&subject, &MetricId::all().collect::<Vec<_>>()).unwrap()
+}
+
+#[test]
+fn every_metric_of_sixteen_constant_or_black_megapixels_is_finite_and_within_its_range() {
+    const SIDE: usize = 4096;
+    let (clean, light) = (textured(SIDE, SIDE), light_from_the_left(SIDE));
+    std::thread::scope(|scope| {
+        for pixel in [[0; 3], [60, 120, 140]] {
+            let (clean, light) = (&clean, &light);
+            scope.spawn(move || {
+                let picture = Rgb8::from_fn(SIDE, SIDE, |_, _| pixel);
+                let values = measure_everything(&picture, clean, light);
+                assert_eq!(
+                    values.len(),
+                    MetricId::all().count(),
+                    "each metric is defined for {pixel:?}"
+                );
+                for (id, value) in values {
+                    let (low, high) = (id.info().range.start(), id.info().range.end());
+                    assert!(
+                        value.is_finite() && value >= low - SLACK && value <= high + SLACK,
+                        "{id} of {pixel:?} is {value}"
+                    );
+                }
+            });
+        }
+    });
 }
 
 fn picture() -> impl Strategy<Value = (Rgb8, Rgb8)> {
