@@ -4,7 +4,7 @@
 
 use imaging::transfer;
 
-use crate::elementary::{exp, ln};
+use crate::elementary::{cube_root, fifth_root};
 
 /// Rows of linear sRGB → XYZ relative to the white.
 const TO_XYZ: [[f32; 3]; 3] = [
@@ -29,8 +29,10 @@ pub(crate) fn lab_of_encoded(encoded: [f32; 3]) -> [f32; 3] {
 /// `imaging::transfer::decode` in single precision, for at least 0.
 #[inline(always)]
 fn decode(v: f32) -> f32 {
-    let bright = exp(2.4 * ln((v + 0.055) * (1.0 / 1.055)));
-    if v > 0.040_45 { bright } else { v * (1.0 / 12.92) }
+    let base = (v + 0.055) * (1.0 / 1.055);
+    // The power 2.4 of the base is the square of base times its fifth root.
+    let root = base * fifth_root(base);
+    if v > 0.040_45 { root * root } else { v * (1.0 / 12.92) }
 }
 
 /// `f(t)` of CIE Lab: the cube root, and a straight line near 0.
@@ -38,7 +40,7 @@ fn decode(v: f32) -> f32 {
 fn response(t: f32) -> f32 {
     const THRESHOLD: f32 = KNEE * KNEE * KNEE;
     const SLOPE: f32 = 1.0 / (3.0 * KNEE * KNEE);
-    let root = exp(ln(if t > THRESHOLD { t } else { THRESHOLD }) * (1.0 / 3.0));
+    let root = cube_root(if t > THRESHOLD { t } else { THRESHOLD });
     if t > THRESHOLD {
         root
     } else {

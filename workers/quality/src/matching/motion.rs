@@ -1,6 +1,6 @@
 //! True motion between two frames, and the matches that follow it.
 
-use imaging::{Plane, Rgb};
+use imaging::Plane;
 
 use super::features::{Features, Keypoint};
 use super::nearest::Match;
@@ -11,7 +11,7 @@ pub const CORRECT_PX: f64 = 3.0;
 /// For each pixel of a frame, the position of its surface point in the previous frame.
 ///
 /// A position (x, y) is in pixels of the picture, the center of the first pixel is (0.5, 0.5). It is NaN if the point is
-/// outside or occluded in the previous frame, or if the pixel shows no surface.
+/// outside or occluded in the previous frame, or if the pixel shows no surface. Only pixels of keypoints are read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// One position per pixel of the current frame.
@@ -19,22 +19,10 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// From displacements in x and y, px, and a third plane that is above 0 where the point is visible.
-    #[must_use]
-    pub fn from_displacements(motion: &Rgb<f32>) -> Self {
-        let [across, down, visible] = motion.planes();
-        let (width, height) = across.size();
-        Self {
-            positions: Plane::from_fn(width, height, |x, y| {
-                if visible.pixel(x, y) > 0.0 {
-                    [
-                        x as f32 + 0.5 + across.pixel(x, y),
-                        y as f32 + 0.5 + down.pixel(x, y),
-                    ]
-                } else {
-                    [f32::NAN; 2]
-                }
-            }),
+    /// Sets the position of the point at a pixel from its displacement in x and y, px, and a number above 0 if it is visible.
+    pub fn put(&mut self, [x, y]: [usize; 2], [across, down, visible]: [f32; 3]) {
+        if visible > 0.0 {
+            self.positions.row_mut(y)[x] = [x as f32 + 0.5 + across, y as f32 + 0.5 + down];
         }
     }
 
@@ -75,9 +63,11 @@ mod tests {
 
     #[test]
     fn displacements_start_at_the_center_of_their_pixel() {
-        let planes = [[3.0, 9.0], [-1.0, 9.0], [1.0, 0.0]];
-        let planes = planes.map(|values| Plane::new(2, 1, values.to_vec()).unwrap());
-        let motion = Motion::from_displacements(&Rgb::new(planes).unwrap());
+        let mut motion = Motion {
+            positions: Plane::filled(2, 1, [f32::NAN; 2]),
+        };
+        motion.put([0, 0], [3.0, -1.0, 1.0]);
+        motion.put([1, 0], [9.0, 9.0, 0.0]);
         assert_eq!(motion.positions.pixel(0, 0), [3.5, -0.5]);
         assert!(motion.positions.pixel(1, 0)[0].is_nan());
     }

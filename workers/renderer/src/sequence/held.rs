@@ -1,13 +1,13 @@
 //! The finished picture of a frame, with what later frames of its path compare with.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use imaging::{Plane, Rgb8};
 use quality::{FrameFeatures, Motion};
 use scenes::World;
 use spec::Enhancement;
 
-use super::motion::{PixelRays, find_motion};
+use super::motion::{PixelRays, find_motion_of};
 use super::viewpoint::Viewpoint;
 use crate::context::FrameContext;
 
@@ -23,8 +23,6 @@ pub struct Held {
     world: Option<Arc<World>>,
     /// Features of the picture (`None`) and of its enhancements.
     features: Mutex<Vec<(Option<Enhancement>, Arc<FrameFeatures>)>>,
-    /// Motion from this picture to the previous one.
-    back: OnceLock<Option<Arc<Motion>>>,
 }
 
 impl Held {
@@ -37,7 +35,6 @@ impl Held {
             pixels: PixelRays::new(context),
             world: context.prepared.world.clone(),
             features: Mutex::default(),
-            back: OnceLock::new(),
         })
     }
 
@@ -61,14 +58,29 @@ impl Held {
         found
     }
 
-    /// The position of each pixel's point in the previous picture; `None` without range or world.
-    pub(crate) fn motion_to(&self, previous: &Self) -> Option<Arc<Motion>> {
-        let motion = self.back.get_or_init(|| {
-            let (range, world) = (self.range.as_ref()?, previous.world.as_ref()?);
-            let way = [&self.viewpoint, &previous.viewpoint];
-            let motion = find_motion(range, &self.pixels, way, world)?;
-            Some(Arc::new(Motion::from_displacements(&motion)))
+    /// Whether the motion to the previous picture can be found: this one has a range, and the previous one a world.
+    pub(crate) fn can_move_to(&self, previous: &Self) -> bool {
+        self.range.is_some() && previous.world.is_some()
+    }
+
+    /// The positions in the previous picture of the points at the features of this one. Other pixels have none. `None` without
+    /// range or world.
+    pub(crate) fn motion_to(&self, previous: &Self, features: &FrameFeatures) -> Option<Motion> {
+        let (range, world) = (self.range.as_ref()?, previous.world.as_ref()?);
+        let (width, height) = range.size();
+        let keypoints = [&features.adaptive, &features.default].map(|features| &features.keypoints);
+        let pixels = keypoints
+            .into_iter()
+            .flatten()
+            .map(|keypoint| [keypoint.x as usize, keypoint.y as usize])
+            .filter(|[x, y]| *x < width && *y < height);
+        let mut motion = Motion {
+            positions: Plane::filled(width, height, [f32::NAN; 2]),
+        };
+        let way = [&self.viewpoint, &previous.viewpoint];
+        find_motion_of(pixels, (range, &self.pixels), way, world, |pixel, moved| {
+            motion.put(pixel, moved);
         });
-        motion.clone()
+        Some(motion)
     }
 }

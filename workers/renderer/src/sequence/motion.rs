@@ -26,6 +26,8 @@ use crate::stopwatch::Stopwatch;
 /// Share of the distance of a point within which surfaces do not occlude it. Rays and ranges in single precision differ by 1e-6,
 /// which grazing angles of 0.1° magnify to 6e-4.
 const OCCLUSION_TOLERANCE: f64 = 1e-3;
+/// Pixels whose rays are tested together, and between two checks for cancellation.
+const TESTED_TOGETHER: usize = 1024;
 
 /// The motions of a frame: x and y in px, and visibility. The first two are NaN without a range and where the other camera has no
 /// projection of the point.
@@ -104,44 +106,64 @@ fn find_motion_in(
 }
 
 /// The motion from a picture of this range to another one.
-pub(super) fn find_motion(
+fn find_motion(
     range: &Plane<f32>,
     pixels: &PixelRays,
-    [from, to]: [&Viewpoint; 2],
+    way: [&Viewpoint; 2],
     world: &World,
 ) -> Option<Rgb<f32>> {
     let (width, height) = range.size();
-    let (way, solids) = (from.relative_to(to), world.rays(&to.pose));
     let mut planes = [f32::NAN, f32::NAN, 0.0].map(|value| Plane::filled(width, height, value));
+    let all = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    find_motion_of(all, (range, pixels), way, world, |[x, y], moved| {
+        for (plane, value) in planes.iter_mut().zip(moved) {
+            plane.row_mut(y)[x] = value;
+        }
+    });
+    Rgb::new(planes).ok()
+}
+
+/// Finds the motion of some pixels to another picture: `put` receives each pixel that has one, with x and y in px and 1 if it is
+/// visible there, else 0.
+pub(super) fn find_motion_of(
+    pixels: impl Iterator<Item = [usize; 2]>,
+    (range, rays_of): (&Plane<f32>, &PixelRays),
+    [from, to]: [&Viewpoint; 2],
+    world: &World,
+    mut put: impl FnMut([usize; 2], [f32; 3]),
+) {
+    let (way, solids) = (from.relative_to(to), world.rays(&to.pose));
+    let mut pixels = pixels.peekable();
     let (mut rays, mut tested, mut clear) = (ShadowRays::default(), Vec::new(), Vec::new());
-    for y in 0..height {
+    while pixels.peek().is_some() {
         cancel::check();
         rays.clear();
         tested.clear();
-        for x in 0..width {
-            let meters = f64::from(range.pixel(x, y));
-            if is_hole(range.pixel(x, y)) {
+        for [x, y] in pixels.by_ref().take(TESTED_TOGETHER) {
+            let meters = range.pixel(x, y);
+            if is_hole(meters) {
                 continue;
             }
-            let [own, sample] = pixels.points([x, y], meters).map(|point| way.apply(point));
+            let [own, sample] = rays_of
+                .points([x, y], f64::from(meters))
+                .map(|point| way.apply(point));
             let Some([column, row]) = to.project(own) else {
                 continue;
             };
-            planes[0].row_mut(y)[x] = (column - x as f64) as f32;
-            planes[1].row_mut(y)[x] = (row - y as f64) as f32;
+            let moved = [(column - x as f64) as f32, (row - y as f64) as f32];
             if to.contains([column, row]) && length(sample) < World::FAR_M {
-                tested.push(x);
+                tested.push(([x, y], moved));
                 rays.push([0.0; 3], sample.map(|v| (v * (1.0 - OCCLUSION_TOLERANCE)) as f32));
+            } else {
+                put([x, y], [moved[0], moved[1], 0.0]);
             }
         }
         clear.resize(tested.len(), false);
         solids.trace_shadow_rays(&rays, &mut clear);
-        let visible = planes[2].row_mut(y);
-        for (&x, &is_clear) in tested.iter().zip(&clear) {
-            visible[x] = f32::from(u8::from(is_clear));
+        for (&(pixel, [across, down]), &is_clear) in tested.iter().zip(&clear) {
+            put(pixel, [across, down, f32::from(u8::from(is_clear))]);
         }
     }
-    Rgb::new(planes).ok()
 }
 
 /// The rays of the pixels of a picture.

@@ -3,24 +3,29 @@
 use std::sync::Arc;
 
 use imaging::vector::{DVec3, vec3};
-use quality::Motion;
+use quality::{FrameFeatures, Motion};
 
 use super::held::Held;
 
-/// The last pictures of a path, the newest first, and the motion between them.
+/// The last pictures of a path, the newest first.
 pub(crate) struct Track {
     pub(crate) pictures: Vec<Arc<Held>>,
-    /// From each picture to the one after it in the list.
-    pub(crate) motions: Vec<Arc<Motion>>,
 }
 
 impl Track {
     /// The track of these pictures up to the first unknown motion.
     pub(crate) fn new(mut pictures: Vec<Arc<Held>>) -> Self {
         let pairs = pictures.windows(2);
-        let motions: Vec<_> = pairs.map_while(|pair| pair[0].motion_to(&pair[1])).collect();
-        pictures.truncate(motions.len() + 1);
-        Self { pictures, motions }
+        let count = pairs.take_while(|pair| pair[0].can_move_to(&pair[1])).count();
+        pictures.truncate(count + 1);
+        Self { pictures }
+    }
+
+    /// The motion from each picture but the last to the one after it in the list, at the features of each.
+    pub(crate) fn motions(&self, features: &[Arc<FrameFeatures>]) -> Vec<Motion> {
+        let pairs = self.pictures.windows(2).zip(features);
+        let motions = pairs.map_while(|(pair, features)| pair[0].motion_to(&pair[1], features));
+        motions.collect()
     }
 
     /// The ray of a position of a picture, in pixels with the center of the first at 0.5. Straight ahead where the lens has

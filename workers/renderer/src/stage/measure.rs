@@ -184,7 +184,8 @@ impl Measure<'_> {
         let [own, earlier @ ..] = features else {
             return Ok(quality::measure_subject(&subject, &self.metrics)?);
         };
-        let previous = earlier.iter().zip(&track.motions);
+        let motions = track.motions(features);
+        let previous = earlier.iter().zip(&motions);
         let previous: Vec<_> = previous
             .map(|(features, motion)| PreviousFrame { features, motion })
             .collect();
