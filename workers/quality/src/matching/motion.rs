@@ -1,6 +1,6 @@
 //! True motion between two frames, and the matches that follow it.
 
-use imaging::Plane;
+use imaging::{Plane, Rgb};
 
 use super::features::{Features, Keypoint};
 use super::nearest::Match;
@@ -19,6 +19,28 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// From displacements in x and y, px, and a third plane that is above 0 where the point is visible.
+    #[must_use]
+    pub fn from_displacements(displacements: &Rgb<f32>) -> Self {
+        let (width, height) = displacements.planes()[0].size();
+        let mut motion = Self::unknown(width, height);
+        for y in 0..height {
+            for x in 0..width {
+                let moved = displacements.planes().each_ref().map(|plane| plane.pixel(x, y));
+                motion.put([x, y], moved);
+            }
+        }
+        motion
+    }
+
+    /// Without any position.
+    #[must_use]
+    pub fn unknown(width: usize, height: usize) -> Self {
+        Self {
+            positions: Plane::filled(width, height, [f32::NAN; 2]),
+        }
+    }
+
     /// Sets the position of the point at a pixel from its displacement in x and y, px, and a number above 0 if it is visible.
     pub fn put(&mut self, [x, y]: [usize; 2], [across, down, visible]: [f32; 3]) {
         if visible > 0.0 {
@@ -63,11 +85,9 @@ mod tests {
 
     #[test]
     fn displacements_start_at_the_center_of_their_pixel() {
-        let mut motion = Motion {
-            positions: Plane::filled(2, 1, [f32::NAN; 2]),
-        };
-        motion.put([0, 0], [3.0, -1.0, 1.0]);
-        motion.put([1, 0], [9.0, 9.0, 0.0]);
+        let planes = [[3.0, 9.0], [-1.0, 9.0], [1.0, 0.0]];
+        let planes = planes.map(|values| Plane::new(2, 1, values.to_vec()).unwrap());
+        let motion = Motion::from_displacements(&Rgb::new(planes).unwrap());
         assert_eq!(motion.positions.pixel(0, 0), [3.5, -0.5]);
         assert!(motion.positions.pixel(1, 0)[0].is_nan());
     }

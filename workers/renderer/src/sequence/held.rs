@@ -74,9 +74,7 @@ impl Held {
             .flatten()
             .map(|keypoint| [keypoint.x as usize, keypoint.y as usize])
             .filter(|[x, y]| *x < width && *y < height);
-        let mut motion = Motion {
-            positions: Plane::filled(width, height, [f32::NAN; 2]),
-        };
+        let mut motion = Motion::unknown(width, height);
         let way = [&self.viewpoint, &previous.viewpoint];
         find_motion_of(pixels, (range, &self.pixels), way, world, |pixel, moved| {
             motion.put(pixel, moved);
