@@ -35,8 +35,8 @@ fn generate() -> String {
     );
     page.extend(
         commands
-            .iter()
-            .map(|(row, _)| row.as_str())
+            .keys()
+            .map(String::as_str)
             .filter(|row| is_shared(row, &commands)),
     );
     for topic in TOPICS {
