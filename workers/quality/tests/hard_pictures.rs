@@ -250,7 +250,7 @@ fn measure_everything(picture: &Rgb8, clean: &Rgb8, light: &Illumination) -> Vec
         illumination: Some(light),
         ..Subject::new(picture)
     };
-    measure_subject(&subject, &MetricId::all().collect::<Vec<_>>()).unwrap()
+    measure_subject(&subject, &MetricId::all().collect::<Vec<_>>()).expect("every metric has its input")
 }
 
 #[test]

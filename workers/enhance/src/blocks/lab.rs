@@ -32,7 +32,11 @@ fn decode(v: f32) -> f32 {
     let base = (v + 0.055) * (1.0 / 1.055);
     // The power 2.4 of the base is the square of base times its fifth root.
     let root = base * fifth_root(base);
-    if v > 0.040_45 { root * root } else { v * (1.0 / 12.92) }
+    if v > 0.040_45 {
+        root * root
+    } else {
+        v * (1.0 / 12.92)
+    }
 }
 
 /// `f(t)` of CIE Lab: the cube root, and a straight line near 0.
