@@ -80,7 +80,7 @@ fn root_start(x: f32, share: f32, shift: u32) -> f32 {
     f32::from_bits((scaled.to_bits().wrapping_sub(ROUND.to_bits()) << 8).wrapping_add(shift))
 }
 
-/// The bits of 1 times 2/3 and 4/5, a little less: straight lines between powers of two lie above the root.
+/// The bits of 1 times 2/3 and 4/5, a little less, since straight lines between powers of two are above the root.
 const CUBE_ROOT_SHIFT: u32 = 0x2a51_4067;
 const FIFTH_ROOT_SHIFT: u32 = 0x32c8_16cd;
 
