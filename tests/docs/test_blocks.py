@@ -3,6 +3,7 @@
 import os
 import pathlib
 import re
+import sys
 
 import pytest
 from blocks import Block, extract_blocks, is_job, read_needs
@@ -125,7 +126,9 @@ def test_python_blocks_run_with_the_variables_of_the_shell(folder: pathlib.Path)
 def test_sql_blocks_have_to_find_rows(folder: pathlib.Path) -> None:
     pytest.importorskip("duckdb")
     queries = ["select 1 as one", "select 1 where false", "select missing"]
-    results = play_page([Block(line, "sql", query) for line, query in enumerate(queries, 1)], folder, dict(os.environ))
+    own = str(pathlib.Path(sys.executable).parent)
+    environment = os.environ | {"PATH": f"{own}:{os.environ['PATH']}"}
+    results = play_page([Block(line, "sql", query) for line, query in enumerate(queries, 1)], folder, environment)
     assert [result.outcome for result in results] == ["ran", "failed", "failed"]
     assert "the query returned no rows" in results[1].output and "missing" in results[2].output
 
