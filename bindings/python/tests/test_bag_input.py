@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed: recor
 
 from fathom.bag import command  # noqa: E402
 from fathom.bag.recording import Recording  # noqa: E402
+from fathom.bag.status import end_if_stopped, run  # noqa: E402
 from recordings import (  # noqa: E402
     DEPTH,
     HEIGHT,
@@ -333,6 +335,21 @@ def test_a_stopped_conversion_leaves_nothing(tmp_path: Path, number: signal.Sign
         os.kill(process.pid, number)
         assert process.wait(20) == 128 + number
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dive_mcap", "job.json"]
+
+
+def test_a_stop_that_a_frame_took_for_its_own_error_ends_the_conversion() -> None:
+    def command(_: Sequence[str]) -> int:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with pytest.raises((KeyboardInterrupt, SystemExit)):
+                os.kill(os.getpid(), number)
+            with pytest.raises((KeyboardInterrupt, SystemExit)):
+                end_if_stopped()
+        os.kill(os.getpid(), signal.SIGINT)
+        return 0
+
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    assert run(command, []) == 128 + signal.SIGINT
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
 
 
 @pytest.mark.parametrize("kind", KINDS)

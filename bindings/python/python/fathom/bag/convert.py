@@ -12,6 +12,7 @@ from fathom.bag.frames import Frame, Frames
 from fathom.bag.output import Output
 from fathom.bag.recording import Recording
 from fathom.bag.report import Report
+from fathom.bag.status import end_if_stopped
 from fathom.bag.topics import IMAGE, Topics
 from fathom.errors import InvalidArgument, RenderError
 from fathom.messages.images import write_fields
@@ -81,6 +82,7 @@ def convert(
         written.begin()
         converter = Converter(stream, recording, written, topics, report, adds_range)
         for connection, recorded_ns, data in recording.messages():
+            end_if_stopped()
             written.copy(connection, recorded_ns, data)
             for frame in frames.add(connection, recorded_ns, data):
                 converter.write(frame)

@@ -6,7 +6,7 @@ import signal
 import sqlite3
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 from fathom.bag.recording import Recording
 from fathom.bag.report import Report, format_stamp
@@ -18,7 +18,8 @@ DONE, SOME_FRAMES, BAD_INPUT = 0, 1, 2
 def run(command: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> int:
     """Run a command and return its exit status; errors are printed."""
     # Temporary files are removed on the way out of a signal too.
-    before = signal.signal(signal.SIGTERM, _stop)
+    _received.clear()
+    before = {number: signal.signal(number, _stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         return command(arguments)
     except FathomError as error:
@@ -31,7 +32,8 @@ def run(command: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> in
         print("fathom: stopped; nothing was written", file=sys.stderr)
         return 128 + signal.SIGINT
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def end(recording: Recording, report: Report) -> int:
@@ -44,5 +46,21 @@ def end(recording: Recording, report: Report) -> int:
     return SOME_FRAMES if recording.cut is not None or report.left_out else DONE
 
 
+def end_if_stopped() -> None:
+    """Raise again what a signal raised, if code that called back into Python has taken it for an error of its own."""
+    if _received:
+        _raise(_received[-1])
+
+
+_received: list[int] = []
+
+
 def _stop(number: int, _: Any) -> None:
+    _received.append(number)
+    _raise(number)
+
+
+def _raise(number: int) -> NoReturn:
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
     raise SystemExit(128 + number)
