@@ -50,6 +50,7 @@ class Converter:
                 channels=frame.picture.channels,
             )
         except (InvalidArgument, RenderError) as error:
+            end_if_stopped()
             self._report.leave_out(frame.stamp_ns, _remove_numbers(str(error)), str(error))
             return
         for warning in out.warnings:
@@ -82,12 +83,12 @@ def convert(
         written.begin()
         converter = Converter(stream, recording, written, topics, report, adds_range)
         for connection, recorded_ns, data in recording.messages():
-            end_if_stopped()
             written.copy(connection, recorded_ns, data)
             for frame in frames.add(connection, recorded_ns, data):
                 converter.write(frame)
         for frame in frames.finish():
             converter.write(frame)
+        end_if_stopped()
     except BaseException:
         written.discard()
         raise
