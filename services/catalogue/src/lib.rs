@@ -38,6 +38,7 @@ pub use error::{CatalogueError, FilterError};
 pub use image_id::ImageId;
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
+pub use query::filter::{ComparedText, find_texts};
 pub use types::{
     Charge, Delivery, DueCheck, FrameRows, Histogram, Idempotency, ImageQuery, ImportedArtifact,
     ImportedShard, InsertImage, InsertJob, NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow,

@@ -10,8 +10,10 @@
 
 mod compile;
 mod lexer;
+mod texts;
 
 pub(crate) use compile::compile;
+pub use texts::{ComparedText, find_texts};
 
 use std::collections::BTreeSet;
 
