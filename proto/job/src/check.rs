@@ -25,11 +25,12 @@ use crate::node::{Node, float};
 use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
+pub(crate) use daylight::find_black_frames;
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
 pub(crate) use sections::enhance::names_in;
 pub(crate) use sections::networks::find_enhancers;
-use sections::{lights, truth};
+use sections::{daylight, lights, truth};
 pub(crate) use truth::is_traced;
 pub(crate) use values::{find_lists, find_values, has_procedural_scene};
 

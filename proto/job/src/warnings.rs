@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::check::find_values;
+use crate::check::{find_black_frames, find_values};
 use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
@@ -13,6 +13,7 @@ pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
         .iter()
         .filter_map(|(_, water)| optics(water, vocabulary))
         .collect();
+    warnings.extend(find_black_frames(document));
     let values = document.laws().into_iter().flat_map(|law| law.values());
     if let Some(axis) = values.flat_map(Node::laws).find(|law| is_axis(law)) {
         warnings.push(format!(

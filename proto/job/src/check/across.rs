@@ -24,6 +24,7 @@ impl Checker<'_> {
         let contents = Contents::read(document);
         self.check_rules(&contents);
         self.check_image(document);
+        self.check_waypoints(document);
         self.check_haze(document);
         self.check_daylight(document, &contents);
         self.check_artifacts(document, &contents);

@@ -6,6 +6,7 @@ use super::{Checker, Location};
 use crate::migration;
 use crate::node::Node;
 use crate::schema::{Field, Presence, Shape, parse_default};
+use crate::table::find_owners;
 
 impl Checker<'_> {
     pub(super) fn check_object(
@@ -96,7 +97,7 @@ impl Checker<'_> {
                 continue;
             }
             self.refuse(|| {
-                let message = note(key).unwrap_or_else(|| format!("{location} has no field `{key}`"));
+                let message = note(key).unwrap_or_else(|| describe_unknown(location, key));
                 location
                     .field(key)
                     .error(message)
@@ -148,5 +149,15 @@ impl Checker<'_> {
                 None
             }
         }
+    }
+}
+
+/// Describes an unknown field. If exactly one other object has a field of this name, as `daylight` has
+/// `sun_elevation_deg`, the message names it.
+fn describe_unknown(location: &Location, key: &str) -> String {
+    let unknown = format!("{location} has no field `{key}`");
+    match find_owners(key).as_slice() {
+        [owner] => format!("{unknown}; it is a field of {owner}: move it there, or remove it"),
+        _ => unknown,
     }
 }

@@ -69,6 +69,17 @@ pub fn markdown() -> String {
     text
 }
 
+/// The objects with a field of this name, for messages; without the kinds and the elements of lists, whose fields
+/// depend on the kind.
+pub(crate) fn find_owners(name: &str) -> Vec<String> {
+    let rows = rows().into_iter().filter(|row| !row.path.contains(['(', '[']));
+    rows.filter_map(|row| match row.path.rsplit_once('.') {
+        Some((owner, field)) => (field == name).then(|| format!("`{owner}`")),
+        None => (row.path == name).then(|| "the description".to_owned()),
+    })
+    .collect()
+}
+
 fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
     match shape {
         Shape::Object(fields) | Shape::OneOf(fields) | Shape::Short(_, fields) => {
@@ -172,6 +183,51 @@ mod tests {
         paths.dedup();
         assert_eq!(paths.len(), rows.len());
         assert!(rows.iter().all(|row| !row.doc.is_empty()));
+    }
+
+    /// Fields that a job need not write: the service fills them in.
+    const FILLED_IN: [&str; 2] = ["scene(collection).id", "water.optics.name"];
+
+    /// Most fields that describe a frame without the parameters of its enhancements: more than this is no longer a
+    /// description of a place that a user reads in one go. A new field replaces another, or is derived.
+    const MOST_FIELDS: usize = 190;
+
+    /// Most rows of enhancements. Every number of a published method is a parameter, once as an enhancement and once
+    /// as a step of a chain; a user needs those of one method at a time.
+    const MOST_ENHANCEMENT_FIELDS: usize = 90;
+
+    #[test]
+    fn the_description_stays_small() {
+        let paths: Vec<_> = rows().into_iter().map(|row| row.path).collect();
+        let (enhancements, others): (Vec<_>, Vec<_>) = paths
+            .iter()
+            .map(String::as_str)
+            .partition(|path| path.starts_with("enhance[]"));
+        let written = others.iter().filter(|path| !FILLED_IN.contains(path)).count();
+        assert_eq!(
+            written + FILLED_IN.len(),
+            others.len(),
+            "the table has every field of FILLED_IN"
+        );
+        assert!(
+            written <= MOST_FIELDS,
+            "{written} fields; must be at most {MOST_FIELDS}"
+        );
+        assert!(
+            enhancements.len() <= MOST_ENHANCEMENT_FIELDS,
+            "{} fields of enhancements; must be at most {MOST_ENHANCEMENT_FIELDS}",
+            enhancements.len()
+        );
+    }
+
+    #[test]
+    fn an_owner_is_an_object_or_the_description() {
+        assert_eq!(find_owners("sun_elevation_deg"), ["`daylight`"]);
+        assert_eq!(find_owners("alpha"), ["the description"]);
+        assert!(
+            find_owners("intensity").is_empty(),
+            "fields of lights depend on their kind"
+        );
     }
 
     /// A default belongs in the table, or is worded as one.

@@ -40,6 +40,8 @@ const DOCUMENTS: &[&str] = &[
 /// Fields of a procedural scene.
 const FIELDS: &[&str] = &[
     r#"{"sed": 1}"#,
+    r#"{"daylight": "none", "sun_elevation_deg": 30, "wind_m_per_s": 3}"#,
+    r#"{"daylight": {"none": true, "sun_elevation_deg": 30}}"#,
     r#"{"alpha": 3, "water": {"style": "muddy"}}"#,
     r#"{"alpha": "x"}"#,
     r#"{"alpha": null}"#,
@@ -136,6 +138,9 @@ const RULES: &[&str] = &[
     r#"{"artifacts": ["disparity"], "camera": {"stereo": {}}}"#,
     r#"{"daylight": {"cloud_cover": 0}}"#,
     r#"{"daylight": "none"}"#,
+    r#"{"daylight": {"choice": ["none", "auto"]}}"#,
+    r#"{"daylight": "none", "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]}], "water": {"optics": {"preset": "jerlov-1C", "veil_gain": {"uniform": [0, 2]}}}}"#,
+    r#"{"camera": {"path": {"frames": 3, "start": {"position_m": [0, 0, 1], "target_m": [0, 1, 1]}, "end": {"position_m": [0, 0, {"uniform": [-2, 3]}], "target_m": [0, 1, 1]}}}}"#,
     r#"{"daylight": {"cloud_cover": 0}, "water": {"optics": {"preset": "jerlov-1C", "veil_gain": 2}}}"#,
 ];
 

@@ -56,4 +56,46 @@ impl Checker<'_> {
             }
         }
     }
+
+    /// Rejects waypoints below the bottom, which is at the height 0 of every procedural world.
+    pub(crate) fn check_waypoints(&mut self, document: &Node) {
+        for (pointer, position) in list_waypoints(document) {
+            let Node::List(coordinates) = position else {
+                continue;
+            };
+            let Some(height_m) = coordinates.get(2).and_then(Node::least).filter(|z| *z < 0.0) else {
+                continue;
+            };
+            let message = format!(
+                "a waypoint of `camera.path` is at a height of {height_m} m, below the bottom: `position_m[2]` must be at least 0"
+            );
+            self.refuse(|| {
+                FieldError::new(&format!("{pointer}/2"), message)
+                    .value(&coordinates[2].canonical())
+                    .limit("at least 0")
+            });
+        }
+    }
+}
+
+/// The possible positions of all waypoints, with their pointers.
+fn list_waypoints(document: &Node) -> Vec<(String, &Node)> {
+    let mut positions = Vec::new();
+    for (pointer, camera) in find_values(document, "camera") {
+        let paths = camera
+            .get("path")
+            .map(|path| path.alternatives(&format!("{pointer}/path")));
+        for (pointer, path) in paths.into_iter().flatten() {
+            for end in ["start", "end"] {
+                let pointer = format!("{pointer}/{end}");
+                let waypoints = path.get(end).map(|waypoint| waypoint.alternatives(&pointer));
+                for (pointer, waypoint) in waypoints.into_iter().flatten() {
+                    let pointer = format!("{pointer}/position_m");
+                    let position = waypoint.get("position_m").map(|node| node.alternatives(&pointer));
+                    positions.extend(position.into_iter().flatten());
+                }
+            }
+        }
+    }
+    positions
 }

@@ -33,6 +33,16 @@ pub(crate) fn has_lamps(document: &Node) -> bool {
         .any(|(_, light)| light.get("position_m").is_some())
 }
 
+/// Whether a frame can be without lamps.
+pub(crate) fn can_lack_lamps(document: &Node) -> bool {
+    find_lists(document, "lights").iter().any(|(_, items)| {
+        items.iter().all(|item| {
+            let lights = item.alternatives("");
+            lights.iter().any(|(_, light)| light.get("position_m").is_none())
+        })
+    })
+}
+
 /// Every possible light, with its pointer.
 fn list_lights(document: &Node) -> Vec<(String, &Node)> {
     let mut lights = Vec::new();
