@@ -54,8 +54,8 @@ impl Water {
     pub fn validate(medium: &Medium, lamps: bool) -> Vec<WaterError> {
         /// Any focal length will do: no limit depends on it.
         const ANY_FOCAL_PX: f64 = 1000.0;
-        let completed = Self::complete(medium, lamps, ANY_FOCAL_PX);
-        completed.err().unwrap_or_default()
+        let request = Request { medium, lamps };
+        derive::check(&request, ANY_FOCAL_PX).err().unwrap_or_default()
     }
 
     fn complete(medium: &Medium, lamps: bool, focal_px: f64) -> Result<Self, Vec<WaterError>> {

@@ -27,7 +27,27 @@ const VEIL_DEPTH_M: f64 = 5.0;
 const SUM_SLACK_PER_M: f64 = 0.002;
 const CHANNELS: [char; 3] = ['R', 'G', 'B'];
 
-pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
+/// The checked numbers of a water, before daylight is solved for: a description is checked for thousands of draws.
+pub(super) struct Inputs {
+    preset: Option<&'static Preset>,
+    absorption: Option<[f64; 3]>,
+    pub(super) scattering: Option<[f64; 3]>,
+    attenuation: [f64; 3],
+    /// Given, or of the preset.
+    diffuse_attenuation: Option<[f64; 3]>,
+    /// `None` in daylight, which sets it.
+    veiling_light: Option<[f64; 3]>,
+    backscatter_fraction: Option<f64>,
+    scatter: Scatter,
+    daylight: Option<above::Inputs>,
+    derived: Vec<&'static str>,
+}
+
+/// Checks a request.
+///
+/// # Errors
+/// All contradictions and gaps.
+pub(super) fn check(request: &Request<'_>, focal_px: f64) -> Result<Inputs, Vec<WaterError>> {
     let water = request.medium;
     let optics = &water.optics;
     let mut checks = Checks::default();
@@ -69,28 +89,10 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         focal_px,
     };
     let daylight = checks.daylight(request, &known);
-    let diffuse_attenuation = daylight
-        .map(|daylight| {
-            daylight
-                .fields
-                .each_ref()
-                .map(|field| field.decay / daylight.scale)
-        })
-        .or(optics.diffuse_attenuation_per_m)
+    let diffuse_attenuation = optics
+        .diffuse_attenuation_per_m
         .or(preset.and_then(|p| all_known(p.diffuse_attenuation)));
-    let decay = checks.decay(request, diffuse_attenuation);
-    let has_daylight = water.daylight.is_some();
-    let given_veil = optics.veiling_light.or(preset.and_then(|p| p.veiling_light));
-    let veiling_light = match given_veil {
-        _ if has_daylight => daylight.map(|daylight| daylight.horizon_light()),
-        Some(veil) if water.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
-        Some(veil) => Some(veil),
-        None => checks.daylight_veil(request, diffuse_attenuation),
-    };
-    if veiling_light.is_none() && given_veil.is_none() && is_complete && !has_daylight {
-        let reason = "give it, or diffuse_attenuation_per_m to derive its color from";
-        checks.missing("veiling_light", reason);
-    }
+    let veiling_light = checks.veil(request, preset, diffuse_attenuation, is_complete);
     let coefficients = Coefficients {
         absorption,
         scattering,
@@ -102,28 +104,68 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
     if !checks.errors.is_empty() {
         return Err(checks.errors);
     }
-    let (Some(attenuation), Some(veiling_light)) = (attenuation, veiling_light) else {
-        unreachable!("their absence is an error above");
-    };
+    Ok(Inputs {
+        preset,
+        absorption,
+        scattering,
+        attenuation: attenuation.expect("its absence is an error above"),
+        diffuse_attenuation,
+        veiling_light,
+        backscatter_fraction,
+        scatter,
+        daylight,
+        derived: checks.derived,
+    })
+}
+
+/// The water of a request: checked, and with its daylight solved for.
+pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
+    let inputs = check(request, focal_px)?;
+    let water = request.medium;
+    let daylight = inputs.daylight.map(above::Inputs::solve);
+    let diffuse_attenuation = daylight
+        .map(|daylight| {
+            daylight
+                .fields
+                .each_ref()
+                .map(|field| field.decay / daylight.scale)
+        })
+        .or(inputs.diffuse_attenuation);
     let scale = water.range_scale;
     let scaled = |values: [f64; 3]| values.map(|v| v * scale);
     Ok(Water {
-        preset: preset.map(|p| p.name.as_str()),
-        absorption: absorption.map(scaled),
-        scattering: scattering.map(scaled),
-        direct_attenuation: scaled(attenuation),
-        backscatter_attenuation: scaled(optics.backscatter_attenuation_per_m.unwrap_or(attenuation)),
+        preset: inputs.preset.map(|p| p.name.as_str()),
+        absorption: inputs.absorption.map(scaled),
+        scattering: inputs.scattering.map(scaled),
+        direct_attenuation: scaled(inputs.attenuation),
+        backscatter_attenuation: scaled(
+            water
+                .optics
+                .backscatter_attenuation_per_m
+                .unwrap_or(inputs.attenuation),
+        ),
         diffuse_attenuation,
-        veiling_light,
+        veiling_light: daylight
+            .map(|daylight| daylight.horizon_light())
+            .or(inputs.veiling_light)
+            .expect("its absence is an error of the check"),
         radiance_gain: above::gain(request, daylight.as_ref())
-            .unwrap_or_else(|| radiance_gain(water.ambient, decay)),
-        scatter: scaled_scatter(scatter, scale),
-        backscatter_fraction: backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
+            .unwrap_or_else(|| radiance_gain(water.ambient, decay(request, diffuse_attenuation))),
+        scatter: scaled_scatter(inputs.scatter, scale),
+        backscatter_fraction: inputs
+            .backscatter_fraction
+            .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         glow_phase: water.airlight_phase,
         daylight,
         holes: water.holes,
-        derived: checks.derived,
+        derived: inputs.derived,
     })
+}
+
+/// exp(−K_d h) if depth and K_d are known.
+fn decay(request: &Request<'_>, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    let known = request.medium.depth_m.zip(diffuse_attenuation);
+    known.map(|(h, kd)| kd.map(|k| (-k * h).exp()))
 }
 
 fn each(value: impl FnMut(usize) -> f64) -> [f64; 3] {
@@ -238,15 +280,38 @@ impl Checks {
         }
     }
 
-    /// exp(−K_d h) if depth and K_d are known; an error if ambient light needs it and they are not.
+    /// The given or derived veil; `None` in daylight, which sets it.
+    fn veil(
+        &mut self,
+        request: &Request<'_>,
+        preset: Option<&Preset>,
+        diffuse_attenuation: Option<[f64; 3]>,
+        is_complete: bool,
+    ) -> Option<[f64; 3]> {
+        let water = request.medium;
+        if water.daylight.is_some() {
+            return None;
+        }
+        let decay = self.decay(request, diffuse_attenuation);
+        let given = water.optics.veiling_light;
+        let veil = match given.or(preset.and_then(|p| p.veiling_light)) {
+            Some(veil) if water.ambient == Ambient::Absolute => {
+                return decay.map(|decay| each(|i| veil[i] * decay[i]));
+            }
+            Some(veil) => Some(veil),
+            None => self.daylight_veil(request, diffuse_attenuation),
+        };
+        if veil.is_none() && is_complete {
+            let reason = "give it, or diffuse_attenuation_per_m to derive its color from";
+            self.missing("veiling_light", reason);
+        }
+        veil
+    }
+
+    /// The decay of ambient light with depth; an error if it is needed and not known.
     fn decay(&mut self, request: &Request<'_>, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
-        let decay = request
-            .medium
-            .depth_m
-            .zip(diffuse_attenuation)
-            .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
-        let follows_daylight = request.medium.daylight.is_some();
-        if request.medium.ambient != Ambient::None && decay.is_none() && !follows_daylight {
+        let decay = decay(request, diffuse_attenuation);
+        if request.medium.ambient != Ambient::None && decay.is_none() {
             let field = if request.medium.depth_m.is_none() {
                 "depth_m"
             } else {

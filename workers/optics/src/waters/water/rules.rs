@@ -3,6 +3,7 @@
 use spec::{Fault, Optics, WaterConditions, WaterRules};
 
 use super::WaterError;
+use super::derive::{self, Request};
 use super::model::Water;
 use crate::medium::{Medium, Surroundings};
 use crate::preset::diffuse_in_disguise;
@@ -45,8 +46,9 @@ fn faults(water: &spec::Water, conditions: WaterConditions) -> Vec<Fault> {
 
 /// Requirements of the truth for an otherwise valid water.
 fn untraceable(medium: &Medium) -> Option<Fault> {
-    let resolved = Water::resolve(medium, ANY_FOCAL_PX).ok()?;
-    resolved.scattering().is_none().then(|| Fault {
+    let request = Request { medium, lamps: false };
+    let inputs = derive::check(&request, ANY_FOCAL_PX).ok()?;
+    inputs.scattering.is_none().then(|| Fault {
         path: vec!["optics"],
         message: "the artifacts `truth` and `truth_report` need `absorption_per_m` and `scattering_per_m` in `water.optics`: \
                   without them there is nothing to trace"

@@ -27,9 +27,53 @@ fn sun(above: &DaylightModel) -> Option<SunLight> {
     (above.sun_share > 0.0).then(|| SunLight::new(above.sun_share, &above.sun))
 }
 
+/// The inputs of daylight.
+#[derive(Clone, Copy)]
+pub(super) struct Inputs {
+    model: DaylightModel,
+    place: Place,
+    wide: WideScattering,
+    /// Given K_d, which replaces the derived one.
+    diffuse_attenuation: Option<[f64; 3]>,
+    focal_px: f64,
+}
+
+impl Inputs {
+    /// Solves for the fields of light.
+    pub(super) fn solve(self) -> Daylight {
+        let Self { model, place, .. } = self;
+        let mut fields = Fields::find(&place, self.wide);
+        if let Some(given) = self.diffuse_attenuation {
+            for (i, field) in fields.channels.iter_mut().enumerate() {
+                field.decay = given[i] * place.scale;
+                fields.irradiance[i] = (-given[i] * place.depth_m).exp();
+            }
+        }
+        let waves = model.caustics;
+        Daylight {
+            surfaces: model.surfaces,
+            sun: place.sun,
+            rays: model.ambient_rays,
+            caustics: waves.map(|waves| (waves, blur(place.absorption, place.scattering))),
+            draws_caustics: waves.is_some(),
+            occludes_veil: model.occludes_veil,
+            has_shafts: model.shafts,
+            scale: place.scale,
+            fields: fields.channels,
+            wide: fields.wide,
+            depth: place.depth_m / place.scale,
+            below: place
+                .bottom
+                .map_or(f64::INFINITY, |bottom| bottom.below_m / place.scale),
+            level: level(fields.irradiance),
+            gaze: Gaze::unknown(self.focal_px),
+        }
+    }
+}
+
 impl Checks {
-    /// Daylight, if it is described and all its inputs are known.
-    pub(super) fn daylight(&mut self, request: &Request<'_>, known: &Known) -> Option<Daylight> {
+    /// The inputs of daylight, if it is described and all of them are known.
+    pub(super) fn daylight(&mut self, request: &Request<'_>, known: &Known) -> Option<Inputs> {
         let above = request.medium.daylight.as_ref()?;
         self.contradictions_above(request, above);
         if request.medium.depth_m.is_none() {
@@ -42,53 +86,27 @@ impl Checks {
             self.missing("absorption_per_m", reason);
         }
         let (depth_m, (absorption, scattering)) = request.medium.depth_m.zip(parts)?;
-        // Numbers beyond their limits are errors by now, so the solver can be skipped.
-        if !self.errors.is_empty() {
-            return None;
-        }
-        let scale = request.medium.range_scale;
-        let sun = sun(above);
-        let fraction = known.backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION);
-        let place = Place {
-            absorption,
-            scattering,
-            depth_m,
-            sun,
-            scale,
-            bottom: request.medium.bottom,
-        };
-        let mut fields = Fields::find(
-            &place,
-            WideScattering::new(request.medium.airlight_phase, fraction),
-        );
         self.derived.push("horizon");
-        match request.medium.optics.diffuse_attenuation_per_m {
-            Some(given) => {
-                for (i, field) in fields.channels.iter_mut().enumerate() {
-                    field.decay = given[i] * scale;
-                    fields.irradiance[i] = (-given[i] * depth_m).exp();
-                }
-            }
-            None => self.derived.push("diffuse_attenuation_per_m"),
+        let optics = &request.medium.optics;
+        if optics.diffuse_attenuation_per_m.is_none() {
+            self.derived.push("diffuse_attenuation_per_m");
         }
-        Some(Daylight {
-            surfaces: above.surfaces,
-            sun,
-            rays: above.ambient_rays,
-            caustics: above.caustics.map(|waves| (waves, blur(absorption, scattering))),
-            draws_caustics: above.caustics.is_some(),
-            occludes_veil: above.occludes_veil,
-            has_shafts: above.shafts,
-            scale,
-            fields: fields.channels,
-            wide: fields.wide,
-            depth: depth_m / scale,
-            below: request
-                .medium
-                .bottom
-                .map_or(f64::INFINITY, |bottom| bottom.below_m / scale),
-            level: level(fields.irradiance),
-            gaze: Gaze::unknown(known.focal_px),
+        Some(Inputs {
+            model: *above,
+            place: Place {
+                absorption,
+                scattering,
+                depth_m,
+                sun: sun(above),
+                scale: request.medium.range_scale,
+                bottom: request.medium.bottom,
+            },
+            wide: WideScattering::new(
+                request.medium.airlight_phase,
+                known.backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
+            ),
+            diffuse_attenuation: optics.diffuse_attenuation_per_m,
+            focal_px: known.focal_px,
         })
     }
 
