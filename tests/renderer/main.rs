@@ -16,6 +16,7 @@ mod noise;
 #[expect(dead_code, reason = "the tests of the style crate use more of it")]
 #[path = "../../workers/style/tests/suite/onnx.rs"]
 mod onnx;
+mod paper;
 mod promise;
 mod sequences;
 mod stream;

@@ -5,6 +5,7 @@
 mod agreement;
 mod models;
 mod networks;
+#[expect(dead_code, reason = "the tests of frames use more of it")]
 mod onnx;
 mod waters;
 

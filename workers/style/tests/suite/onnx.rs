@@ -156,3 +156,48 @@ fn port(name: &str, shape: Option<&[u64]>) -> Vec<u8> {
     }
     [field(1, name.as_bytes()), field(2, &field(1, &tensor))].concat()
 }
+
+/// A network whose output is always the same picture, whatever its input is.
+pub(crate) struct Fixed<'a> {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// R, G and B planes one after the other, rows from top to bottom.
+    pub(crate) samples: &'a [f32],
+}
+
+impl Fixed<'_> {
+    /// The file: the picture minus itself, plus the samples.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        let sides = [1, 3, self.height as u64, self.width as u64];
+        let dims: Vec<u8> = sides.iter().flat_map(|&side| number(1, side)).collect();
+        let raw: Vec<u8> = self
+            .samples
+            .iter()
+            .flat_map(|sample| sample.to_le_bytes())
+            .collect();
+        let samples = [dims, number(2, FLOAT), field(8, b"samples"), field(9, &raw)].concat();
+        let graph = [
+            field(1, &operation("Sub", ["picture", "picture"], "zero")),
+            field(1, &operation("Add", ["zero", "samples"], "result")),
+            field(2, b"test"),
+            field(5, &samples),
+            field(11, &port("picture", Some(&[1, 3, 0, 0]))),
+            field(12, &port("result", Some(&[1, 3, 0, 0]))),
+        ]
+        .concat();
+        let operators = [field(1, b""), number(2, 17)].concat();
+        [number(1, 8), field(7, &graph), field(8, &operators)].concat()
+    }
+}
+
+/// A node of two operands.
+fn operation(operator: &str, operands: [&str; 2], result: &str) -> Vec<u8> {
+    let [first, second] = operands.map(|operand| field(1, operand.as_bytes()));
+    [
+        first,
+        second,
+        field(2, result.as_bytes()),
+        field(4, operator.as_bytes()),
+    ]
+    .concat()
+}
