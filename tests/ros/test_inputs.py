@@ -36,6 +36,26 @@ def test_the_nearest_depth_within_the_slop_pairs(camera: Camera, subscriber: Sub
     wait_until(lambda: stamp in [arrival.stamp_ns for arrival in subscriber.list_arrivals()], "the picture arrives")
 
 
+def test_a_depth_that_comes_after_its_picture_was_dropped_is_counted_as_late(
+    camera: Camera, subscriber: Subscriber, diagnostics: Diagnostics, shots: Shots
+) -> None:
+    late, without = (diagnostics.read_total(name) for name in ("late depths", "without depth"))
+    time.sleep(0.1)
+    stamp = time.time_ns()
+    camera.publish_image(shots[0].rgb, stamp)
+    # The next depth decides about the picture: later ones cannot be nearer.
+    time.sleep(0.1)
+    expect_recovery(camera, subscriber, shots)
+    camera.publish_depth(shots[0].z_depth, stamp)
+    level, message, _ = diagnostics.wait_for("depths on /camera/depth came after their pictures were dropped")
+    assert level == WARN
+    assert "raise `depth_wait_s`" in message
+    expect_recovery(camera, subscriber, shots)
+    assert diagnostics.read_total("late depths") == late + 1
+    assert diagnostics.read_total("without depth") == without + 1
+    assert stamp not in [arrival.stamp_ns for arrival in subscriber.list_arrivals()]
+
+
 def test_pictures_without_depth_are_dropped_and_counted(
     camera: Camera, subscriber: Subscriber, diagnostics: Diagnostics, shots: Shots
 ) -> None:

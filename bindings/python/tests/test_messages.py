@@ -194,6 +194,24 @@ def test_the_offset_of_a_late_depth_is_known() -> None:
     assert (pair.depth, pair.offset_ns) == (None, 50_000_000)
 
 
+def test_depths_that_come_after_their_images_were_returned_are_counted() -> None:
+    pairing = Pairing[str, str](wait_ns=SECOND)
+    pairing.add_image(0, "without a depth for a second")
+    pairing.add_image(2 * SECOND, "passed by a later depth")
+    pairing.add_depth(3 * SECOND, "of neither image")
+    assert pairing.late_depths == 0
+    pairing.add_depth(2 * SECOND + 20_000_000, "at the limit of the slop")
+    assert pairing.late_depths == 1
+    # Each image has one late depth, and a depth beyond the slop has none.
+    pairing.add_depth(2 * SECOND - 1, "also near")
+    pairing.add_depth(2 * SECOND + 20_000_001, "too far")
+    assert pairing.late_depths == 1
+    # Depths in time are not late, whatever their offset.
+    pairing.add_image(4 * SECOND, "good")
+    (pair,) = pairing.add_depth(4 * SECOND + 1, "good")
+    assert (pair.depth, pairing.late_depths) == ("good", 1)
+
+
 def test_a_clock_that_jumps_back_restarts_the_pairing() -> None:
     pairing = Pairing[str, str]()
     pairing.add_image(50 * SECOND, "old")

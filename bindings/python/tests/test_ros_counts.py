@@ -4,7 +4,7 @@ import threading
 from typing import Any
 
 import pytest
-from fathom.ros.counts import BUSY, FAILED, NO_CAMERA, NO_DEPTH, NO_POSE, Counts
+from fathom.ros.counts import BUSY, FAILED, LATE, NO_CAMERA, NO_DEPTH, NO_POSE, Counts
 from fathom.ros.diagnostics import ERROR, OK, STALE, WARN, Topics, describe_plan, judge, list_values
 from fathom.ros.worker import NewestWorker
 
@@ -51,6 +51,23 @@ def test_dropped_pictures_are_judged(reasons: list[str], level: int, message: st
     judged = judge(counts.report(1.0), TOPICS)
     assert judged[0] == level
     assert message in judged[1]
+
+
+def test_late_depths_are_a_warning_of_their_interval_and_a_total() -> None:
+    counts = Counts()
+    counts.receive()
+    counts.drop(NO_DEPTH, "why")
+    counts.add_late_depth()
+    first = counts.report(1.0)
+    level, message = judge(first, TOPICS)
+    assert level == WARN
+    assert message.startswith("pictures dropped: 1 without depth: no depth on /depth")
+    assert "; 1 depths on /depth came after their pictures were dropped: raise `depth_wait_s`" in message
+    counts.receive()
+    counts.render({})
+    second = counts.report(1.0)
+    assert judge(second, TOPICS) == (OK, "1.0 frames per second")
+    assert dict(list_values(second, None, None, {}))[f"total {LATE}"] == "1"
 
 
 def test_silence_is_stale() -> None:

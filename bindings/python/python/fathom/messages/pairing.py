@@ -51,8 +51,11 @@ class Pairing(Generic[Image, Depth]):
         self._depths: dict[int, Depth] = {}
         self._used: set[int] = set()
         self._newest_image: int | None = None
+        self._given_up: deque[int] = deque(maxlen=_MOST_WAITING)
         self.unused_depths = 0
         """Number of depths that were dropped without an image."""
+        self.late_depths = 0
+        """Number of images that were returned without depth and whose depth came afterwards."""
 
     @property
     def waiting(self) -> int:
@@ -73,6 +76,7 @@ class Pairing(Generic[Image, Depth]):
             self.unused_depths += 1
             return []
         restarted = self._restart_if_older(stamp_ns, self._stamps[-1] if self._stamps else None)
+        self._count_late_depth(stamp_ns)
         insort(self._stamps, stamp_ns)
         self._depths[stamp_ns] = depth
         return restarted + self._take_decided()
@@ -81,6 +85,7 @@ class Pairing(Generic[Image, Depth]):
         """Return all waiting images, with the depths there are, and forget the depths."""
         pairs = [self._match(*image) for image in self._images]
         self._images.clear()
+        self._given_up.clear()
         self._drop_depths(len(self._stamps))
         self._newest_image = None
         return pairs
@@ -91,7 +96,10 @@ class Pairing(Generic[Image, Depth]):
     def _take_decided(self) -> list[Pair[Image, Depth]]:
         pairs = []
         while self._images and self._is_decided(self._images[0][0]):
-            pairs.append(self._match(*self._images.popleft()))
+            pair = self._match(*self._images.popleft())
+            if pair.depth is None:
+                self._given_up.append(pair.stamp_ns)
+            pairs.append(pair)
         self._drop_depths(self._count_old_depths())
         return pairs
 
@@ -112,6 +120,13 @@ class Pairing(Generic[Image, Depth]):
             return Pair(stamp_ns, image, None, offset)
         self._used.add(stamp_ns + offset)
         return Pair(stamp_ns, image, self._depths[stamp_ns + offset], offset)
+
+    def _count_late_depth(self, stamp_ns: int) -> None:
+        # A depth that was there in time would have been paired, so one within the slop is late.
+        nearest = min(self._given_up, key=lambda given_up: abs(given_up - stamp_ns), default=None)
+        if nearest is not None and abs(nearest - stamp_ns) <= self._slop_ns:
+            self._given_up.remove(nearest)
+            self.late_depths += 1
 
     def _count_old_depths(self) -> int:
         """Return the number of depths that no image, waiting or to come, can have."""

@@ -16,6 +16,8 @@ BUSY = "replaced by a newer one"
 FAILED = "failed"
 REASONS = (NO_DEPTH, NO_CAMERA, NO_POSE, BUSY, FAILED)
 """Why pictures are dropped."""
+LATE = "late depths"
+"""Depths that came after their pictures were dropped without depth."""
 
 
 @dataclass
@@ -26,6 +28,7 @@ class Report:
     received: int
     rendered: int
     dropped: dict[str, int]
+    late: int
     totals: dict[str, int]
     times_ms: dict[str, tuple[float, float]]
     """Median and maximum of the times of frames by part."""
@@ -65,16 +68,21 @@ class Counts:
         with self._lock:
             self._interval.problem = problem or self._interval.problem
 
+    def add_late_depth(self) -> None:
+        """Count a depth that came after its picture was dropped."""
+        self._count(LATE)
+
     def report(self, seconds: float) -> Report:
         """Return the counts of an interval of this length and begin the next one."""
         with self._lock:
             ended, self._interval = self._interval, _Interval()
-            totals = {name: self._totals[name] for name in ("received", "rendered", *REASONS)}
+            totals = {name: self._totals[name] for name in ("received", "rendered", *REASONS, LATE)}
         return Report(
             seconds,
             ended.counts["received"],
             ended.counts["rendered"],
             {reason: ended.counts[reason] for reason in REASONS if ended.counts[reason]},
+            ended.counts[LATE],
             totals,
             {part: (float(np.median(values)), max(values)) for part, values in ended.times_ms.items()},
             ended.problem,

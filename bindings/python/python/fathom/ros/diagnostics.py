@@ -32,10 +32,16 @@ def judge(report: Report, topics: Topics) -> tuple[int, str]:
         NO_CAMERA: f"no message on {topics.camera_info}; set `use_camera_info` to false to use camera.hfov_deg",
         NO_POSE: report.problem,
     }
+    problems = []
     if report.dropped:
         listed = ", ".join(f"{count} {reason}" for reason, count in report.dropped.items())
         remedy = next((f": {missing[reason]}" for reason in missing if reason in report.dropped), "")
-        return WARN, f"pictures dropped: {listed}{remedy}"
+        problems.append(f"pictures dropped: {listed}{remedy}")
+    if report.late:
+        came = f"{report.late} depths on {topics.depth} came after their pictures were dropped"
+        problems.append(f"{came}: raise `depth_wait_s`, and publish depths in the order of their stamps")
+    if problems:
+        return WARN, "; ".join(problems)
     return OK, f"{report.rendered / report.seconds:.1f} frames per second"
 
 

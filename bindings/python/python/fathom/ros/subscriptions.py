@@ -116,7 +116,11 @@ class Subscriptions:
         if stamp_ns is None:
             return
         with self._lock:
+            before = self._pairing.late_depths
             pairs = self._pairing.add_depth(stamp_ns, message)
+            is_late = self._pairing.late_depths > before
+        if is_late:
+            self._counts.add_late_depth()
         self._pass_on(pairs)
 
     def _read_stamp(self, message: Any, topic: str) -> int | None:
@@ -131,8 +135,14 @@ class Subscriptions:
             if pair.depth is not None:
                 self._take_pair(pair)
                 continue
-            near = "" if pair.offset_ns is None else f"; the nearest depth is {abs(pair.offset_ns) / 1e9:.3f} s away"
-            self._drop(NO_DEPTH, f"no depth for the picture at {pair.stamp_ns / 1e9:.3f} s{near}")
+            self._drop(NO_DEPTH, f"no depth for the picture at {pair.stamp_ns / 1e9:.3f} s{_describe(pair.offset_ns)}")
+
+
+def _describe(offset_ns: int | None) -> str:
+    """Return how far the nearest depth is from a picture."""
+    if offset_ns is None:
+        return ""
+    return f"; the nearest depth is {abs(offset_ns) / 1e9:.3f} s {'later' if offset_ns > 0 else 'earlier'}"
 
 
 def import_transforms() -> Any:
