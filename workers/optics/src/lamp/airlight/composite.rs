@@ -112,10 +112,16 @@ fn spread_at_nodes(lamp: &Glow, to: &Intervals, nodes: &[[f32; 2]], light: &mut 
     for &[place, weight] in nodes {
         vectorized!(angles_of(to, (place, &from), &mut angles));
         spread.shine(lamp, to, &angles);
-        for (light, spread) in light.iter_mut().zip(&spread.light) {
-            for i in 0..RUN {
-                light[i] = weight.mul_add(spread[i], light[i]);
-            }
+        vectorized!(add_weighted(weight, &spread.light, light));
+    }
+}
+
+/// Adds `weight` times the light of a node.
+#[inline(always)]
+fn add_weighted(weight: f32, node: &[Lanes; 3], light: &mut [Lanes; 3]) {
+    for (light, node) in light.iter_mut().zip(node) {
+        for i in 0..RUN {
+            light[i] = weight.mul_add(node[i], light[i]);
         }
     }
 }
