@@ -29,7 +29,6 @@ mod reference;
 mod shadow;
 mod sight;
 mod surface;
-mod tiles;
 
 pub use airlight::{Airlight, airlight, airlight_with_nodes, airlight_within, shaded_airlight};
 pub use beyond::most_white_beyond;

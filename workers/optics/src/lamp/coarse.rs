@@ -2,11 +2,9 @@
 
 use imaging::Plane;
 
-use super::tiles::{TILE, in_tiles};
 use crate::range::is_hole;
-
-/// Surfaces whose ranges differ by less than this factor are treated as one.
-pub(super) const ALIKE: f32 = 1.05;
+use crate::view::lattice::ALIKE;
+use crate::view::tiles::{TILE, in_tiles};
 
 /// The nodes of a grid over a picture: every `step`-th column and row, and the last ones.
 struct Grid {

@@ -36,18 +36,6 @@ impl Starts {
         self.axes.iter_mut().zip(place).for_each(|(axis, v)| axis.push(v));
     }
 
-    /// The writable lanes of `count` origins.
-    pub(super) fn sized(&mut self, count: usize) -> [&mut [f32]; 3] {
-        self.axes.each_mut().map(|axis| {
-            axis.resize(count, 0.0);
-            &mut axis[..count]
-        })
-    }
-
-    pub(super) fn truncate(&mut self, count: usize) {
-        self.axes.iter_mut().for_each(|axis| axis.truncate(count));
-    }
-
     pub(super) fn len(&self) -> usize {
         self.axes[0].len()
     }

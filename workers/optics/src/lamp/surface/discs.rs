@@ -3,17 +3,16 @@
 
 mod cell;
 
-use imaging::Plane;
 use imaging::rays::Rays;
 use imaging::vectorized;
 
 use self::cell::{Cell, Corners, Lanes, Pixels, take};
-use super::shade::{AWAY, off};
+use super::shade::{AWAY, Surfaces};
 use crate::lamp::Lighting;
 use crate::lamp::multiple::surface_scale;
 use crate::lamp::shadow::SPREAD_PLACES;
 use crate::lamp::sight::{Disc, Radius, Sight, Starts};
-use crate::lamp::tiles::in_tiles;
+use crate::view::tiles::in_tiles;
 
 /// The most columns and rows of the cells whose corners are traced first, and the largest angle of a cell, rad.
 const STEP: usize = 8;
@@ -35,25 +34,24 @@ pub(super) struct Discs {
 
 /// The surfaces that the discs are traced from.
 #[derive(Clone, Copy)]
-pub(super) struct Surfaces<'a> {
-    pub(super) range: &'a Plane<f32>,
-    pub(super) normals: &'a [Plane<f32>; 3],
+pub(super) struct LitSurfaces<'a> {
+    pub(super) surfaces: Surfaces<'a>,
     /// For each pixel of the frame: orientation to the lamp, and visible share of the lamp.
     pub(super) facing: &'a [f32],
     pub(super) seen: &'a [f32],
 }
 
 impl Discs {
-    pub(super) fn new(lighting: &Lighting, lamp: [f32; 3], rays: &dyn Rays, surfaces: Surfaces<'_>) -> Self {
+    pub(super) fn new(lighting: &Lighting, lamp: [f32; 3], rays: &dyn Rays, of: LitSurfaces<'_>) -> Self {
         let b = lighting.scattering;
         let (least, most) = b.into_iter().fold((f64::INFINITY, 0.0f64), |(least, most), b| {
             (least.min(b), most.max(b))
         });
-        let of = |b: f64| Search::new(lighting, (lamp, b), rays, surfaces).shares();
+        let search = |b: f64| Search::new(lighting, (lamp, b), rays, of).shares();
         let shares = if most <= SHARED_UP_TO * least {
-            vec![of((least * most).sqrt())]
+            vec![search((least * most).sqrt())]
         } else {
-            let [small, large] = [of(least), of(most)];
+            let [small, large] = [search(least), search(most)];
             let between = |b: f64| {
                 let part = ((b - least) / (most - least)) as f32;
                 let both = small.iter().zip(&large);
@@ -64,7 +62,7 @@ impl Discs {
         };
         Self {
             shares,
-            width: surfaces.range.width(),
+            width: of.surfaces.range.width(),
         }
     }
 
@@ -80,7 +78,7 @@ impl Discs {
 /// Looks for one disc.
 struct Search<'a> {
     lighting: &'a Lighting,
-    surfaces: Surfaces<'a>,
+    of: LitSurfaces<'a>,
     lamp: [f32; 3],
     scattering: f64,
     disc: Disc,
@@ -94,21 +92,21 @@ impl<'a> Search<'a> {
         lighting: &'a Lighting,
         (lamp, scattering): ([f32; 3], f64),
         rays: &'a dyn Rays,
-        surfaces: Surfaces<'a>,
+        of: LitSurfaces<'a>,
     ) -> Self {
         Self {
             lighting,
-            surfaces,
+            of,
             lamp,
             scattering,
             disc: Disc::new(SPREAD_PLACES),
             sight: Sight::new(rays),
-            shares: vec![UNKNOWN; surfaces.facing.len()],
+            shares: vec![UNKNOWN; of.facing.len()],
         }
     }
 
     fn shares(mut self) -> Vec<f32> {
-        let (width, height) = self.surfaces.range.size();
+        let (width, height) = self.of.surfaces.range.size();
         let mut step = STEP;
         while step > 1 && step as f64 > ANGLE * self.lighting.camera.focal_px {
             step /= 2;
@@ -151,19 +149,21 @@ impl<'a> Search<'a> {
     }
 
     fn is_open_of<const SIDE: usize>(&self, cell: Cell) -> bool {
-        let size = self.surfaces.range.size();
+        let size = self.of.surfaces.range.size();
         let (mut facing, mut shares): (Lanes<SIDE>, Lanes<SIDE>) =
             ([[AWAY; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
-        take(&mut facing, (self.surfaces.facing, AWAY), size, cell);
+        take(&mut facing, (self.of.facing, AWAY), size, cell);
         take(&mut shares, (&self.shares, 0.0), size, cell);
         vectorized!(cell::is_open(&facing, &shares))
     }
 
     /// Interpolates the pixels of a cell whose corners allow it. Returns whether the cell must be divided for the others.
     fn settle<const SIDE: usize>(&mut self, cell: Cell) -> bool {
-        let Surfaces {
-            range, facing, seen, ..
-        } = self.surfaces;
+        let LitSurfaces {
+            surfaces: Surfaces { range, .. },
+            facing,
+            seen,
+        } = self.of;
         let size = range.size();
         let at = self.corners(cell);
         let corners = Corners {
@@ -192,7 +192,7 @@ impl<'a> Search<'a> {
 
     /// The pixels at the corners of a cell; a single pixel has but one.
     fn corners(&self, Cell { x, y, step }: Cell) -> [usize; 4] {
-        let (width, height) = self.surfaces.range.size();
+        let (width, height) = self.of.surfaces.range.size();
         let step = if step == 1 { 0 } else { step };
         let (right, below) = ((x + step).min(width - 1), (y + step).min(height - 1));
         [(x, y), (right, y), (x, below), (right, below)].map(|(x, y)| y * width + x)
@@ -202,10 +202,10 @@ impl<'a> Search<'a> {
         let (mut pixels, mut starts, mut radii) = (Vec::new(), Starts::default(), Vec::new());
         for cell in cells {
             for at in self.corners(*cell) {
-                if self.shares[at] == UNKNOWN && self.surfaces.facing[at] != AWAY {
+                if self.shares[at] == UNKNOWN && self.of.facing[at] != AWAY {
                     // Prevents another trace for the next cell.
                     self.shares[at] = 0.0;
-                    let start = self.start(at);
+                    let start = self.of.surfaces.start(at);
                     let way = [0, 1, 2].map(|i| start[i] - self.lamp[i]);
                     let meters = way.map(|v| v * v).into_iter().sum::<f32>().sqrt();
                     pixels.push(at);
@@ -220,15 +220,6 @@ impl<'a> Search<'a> {
         for (&at, &share) in pixels.iter().zip(&found) {
             self.shares[at] = share;
         }
-    }
-
-    fn start(&self, at: usize) -> [f32; 3] {
-        let Surfaces { range, normals, .. } = self.surfaces;
-        let (x, y) = (at % range.width(), at / range.width());
-        let ray = self.lighting.camera.ray(x as f64, y as f64);
-        let meters = f64::from(range.data()[at]) / ray.length();
-        let place = <[f64; 3]>::from(ray).map(|v| (v * meters) as f32);
-        off(place, [0, 1, 2].map(|axis| normals[axis].data()[at]))
     }
 }
 

@@ -1,17 +1,18 @@
-//! Shadows of a lamp on surfaces: of the lamp row by row, and of the discs of scattered lamp light.
+//! Shadows of a lamp on surfaces: in its direct light, and in its scattered light by discs.
 
+use imaging::geometry::Intrinsics;
 use imaging::rays::{OFFSET, Rays};
 use imaging::{Plane, vectorized};
 
 use super::Row;
-use super::discs::{Discs, Surfaces};
+use super::discs::{Discs, LitSurfaces};
 use super::row::{lens, places_of};
 use crate::elementary::{HALVINGS, fade};
 use crate::lamp::beam::Profile;
 use crate::lamp::shadow::Shadow;
 use crate::lamp::sight::{Disc, Radius, Sight, Starts};
-use crate::lamp::tiles::{TILE, in_tiles};
 use crate::lamp::{Lamp, Lighting};
+use crate::view::lattice::trace_changes;
 
 /// Orientation of a surface to a lamp: turned away or a hole; lit by at most the unseen light; outside the beam, with scattered
 /// light only; in the beam.
@@ -63,19 +64,20 @@ impl Shade {
             strength: (lamp.intensity.into_iter().fold(0.0, f64::max) / unseen.max(1e-30)) as f32,
             fading: fading(lighting) * HALVINGS,
         };
-        let mut look = Look::new(lamp, (rays, reach), range.size());
-        for top in (0..range.height()).step_by(TILE) {
-            look.at_rows(lighting, range, normals, top);
-        }
-        let Look { seen, facing, .. } = look;
         let surfaces = Surfaces {
+            camera: &lighting.camera,
             range,
             normals,
+        };
+        let facing = surfaces.orientations(reach);
+        let seen = surfaces.shares_seen(lamp, rays, &facing);
+        let lit = LitSurfaces {
+            surfaces,
             facing: &facing,
             seen: &seen,
         };
         let is_joined = lighting.absorption.is_some();
-        let discs = is_joined.then(|| Discs::new(lighting, reach.place, rays, surfaces));
+        let discs = is_joined.then(|| Discs::new(lighting, reach.place, rays, lit));
         Some(Self {
             seen,
             discs,
@@ -96,106 +98,73 @@ impl Shade {
     }
 }
 
-/// Traces rays to the lamp, a few rows in one batch.
-struct Look<'a> {
-    sight: Sight<'a>,
-    reach: Reach,
-    disc: Disc,
-    radius_m: f32,
-    /// For traced pixels of the frame: visible share of the lamp, and orientation to it.
-    seen: Vec<f32>,
-    facing: Vec<f32>,
-    /// For the rows: surface points, ray origins, and orientation to the lamp.
-    places: [Vec<f32>; 5],
-    lanes: [Vec<f32>; 4],
-    starts: Starts,
-    pixels: Vec<usize>,
-    shares: Vec<f32>,
-    width: usize,
+/// What a camera sees.
+#[derive(Clone, Copy)]
+pub(super) struct Surfaces<'a> {
+    pub(super) camera: &'a Intrinsics,
+    pub(super) range: &'a Plane<f32>,
+    pub(super) normals: &'a [Plane<f32>; 3],
 }
 
-impl<'a> Look<'a> {
-    fn new(lamp: &Lamp, (rays, reach): (&'a dyn Rays, Reach), (width, height): (usize, usize)) -> Self {
+impl Surfaces<'_> {
+    /// Orientation of each pixel's surface to a lamp.
+    fn orientations(self, reach: Reach) -> Vec<f32> {
+        let (width, height) = self.range.size();
+        let mut places = [(); 5].map(|()| vec![0.0f32; width]);
+        let mut facing = vec![AWAY; width * height];
+        for (y, facing) in facing.chunks_mut(width).enumerate() {
+            let mut to = places.each_mut().map(Vec::as_mut_slice);
+            vectorized!(places_of(lens(self.camera), y as f32, self.range.row(y), &mut to));
+            // Attenuation is not needed here.
+            let row = Row::new((&places, 0..width), (self.normals, y * width), ([0.0; 3], 0.0));
+            vectorized!(orientations_in(row, reach, facing));
+        }
+        facing
+    }
+
+    /// Visible share of a lamp from the surfaces in its beam; 1 elsewhere, where it does not matter.
+    fn shares_seen(self, lamp: &Lamp, rays: &dyn Rays, facing: &[f32]) -> Vec<f32> {
         let (radius_m, count) = lamp.shadow.disc();
-        Self {
-            sight: Sight::new(rays),
-            reach,
-            disc: Disc::new(count),
-            radius_m: radius_m as f32,
-            // The value does not matter for untraced pixels.
-            seen: vec![1.0; width * height],
-            facing: Vec::with_capacity(width * height),
-            places: [const { Vec::new() }; 5],
-            lanes: [const { Vec::new() }; 4],
-            starts: Starts::default(),
-            pixels: Vec::new(),
-            shares: Vec::new(),
-            width,
-        }
+        let place = lamp.position_m.map(|v| v as f32);
+        let (disc, mut sight, mut starts) = (Disc::new(count), Sight::new(rays), Starts::default());
+        trace_changes(
+            self.range,
+            |at| facing[at] == IN_BEAM,
+            1.0,
+            |pixels, shares| {
+                starts.clear();
+                pixels.iter().for_each(|&at| starts.push(self.start(at)));
+                let disc = (&disc, Radius::Same(radius_m as f32));
+                sight.shares(&starts, place, disc, shares);
+            },
+        )
     }
 
-    fn at_rows(&mut self, lighting: &Lighting, range: &Plane<f32>, normals: &[Plane<f32>; 3], top: usize) {
-        let (width, reach) = (self.width, self.reach);
-        let rows = TILE.min(range.height() - top);
-        let (count, first) = (rows * width, top * width);
-        self.places.iter_mut().for_each(|lane| lane.resize(count, 0.0));
-        self.lanes.iter_mut().for_each(|lane| lane.resize(count, 0.0));
-        for row in 0..rows {
-            let own = row * width..(row + 1) * width;
-            let mut to = self.places.each_mut().map(|lane| &mut lane[own.clone()]);
-            let y = top + row;
-            vectorized!(places_of(lens(&lighting.camera), y as f32, range.row(y), &mut to));
-        }
-        // Attenuation is not needed here.
-        let all = Row::new((&self.places, 0..count), (normals, first), ([0.0; 3], 0.0));
-        vectorized!(starts_in(
-            all,
-            reach,
-            self.lanes.each_mut().map(Vec::as_mut_slice)
-        ));
-        self.facing.extend_from_slice(&self.lanes[3]);
-        self.gather(count);
-        let disc = (&self.disc, Radius::Same(self.radius_m));
-        self.sight
-            .shares(&self.starts, reach.place, disc, &mut self.shares);
-        for (&i, &share) in self.pixels.iter().zip(&self.shares) {
-            self.seen[first + i] = share;
-        }
-    }
-
-    /// Lists the traced pixels of the rows, tile by tile. Each is written to the next slot of the list, which advances only after
-    /// traced pixels: this avoids an unpredictable branch.
-    fn gather(&mut self, count: usize) {
-        let [x_m, y_m, z_m, facing] = self.lanes.each_ref().map(|lane| &lane[..count]);
-        self.pixels.resize(count, 0);
-        let [to_x, to_y, to_z] = self.starts.sized(count);
-        let pixels = &mut self.pixels[..count];
-        let mut next = 0;
-        in_tiles(self.width, count / self.width).for_each(|(x, y)| {
-            let i = y * self.width + x;
-            (to_x[next], to_y[next], to_z[next], pixels[next]) = (x_m[i], y_m[i], z_m[i], i);
-            next += usize::from(facing[i] == IN_BEAM);
-        });
-        self.starts.truncate(next);
-        self.pixels.truncate(next);
+    /// Where shadow rays of a pixel start: above its surface, as [`imaging::rays::leaving`].
+    pub(super) fn start(self, at: usize) -> [f32; 3] {
+        let (x, y) = (at % self.range.width(), at / self.range.width());
+        let ray = self.camera.ray(x as f64, y as f64);
+        let meters = f64::from(self.range.data()[at]) / ray.length();
+        let [x, y, z] = <[f64; 3]>::from(ray).map(|v| (v * meters) as f32);
+        let off = (x * x + y * y + z * z).sqrt().max(1.0) * OFFSET as f32;
+        let normal = self.normals.each_ref().map(|axis| axis.data()[at]);
+        [x + off * normal[0], y + off * normal[1], z + off * normal[2]]
     }
 }
 
-/// Ray origins toward a lamp, and orientation of surfaces to it.
 #[inline(always)]
-fn starts_in(
+fn orientations_in(
     Row {
         places: [x, y, z, _, shown],
         normals: [nx, ny, nz],
         ..
     }: Row<'_>,
     reach: Reach,
-    [to_x, to_y, to_z, stand]: [&mut [f32]; 4],
+    stand: &mut [f32],
 ) {
     let count = x.len();
     let (y, z, shown) = (&y[..count], &z[..count], &shown[..count]);
     let (nx, ny, nz) = (&nx[..count], &ny[..count], &nz[..count]);
-    let (to_x, to_y, to_z) = (&mut to_x[..count], &mut to_y[..count], &mut to_z[..count]);
     let stand = &mut stand[..count];
     let (
         [px, py, pz],
@@ -214,7 +183,6 @@ fn starts_in(
         let lit = if light > 1.0 { lit } else { DIM };
         let faces = (shown[i] != 0.0) & (facing > 0.0);
         stand[i] = if faces { lit } else { AWAY };
-        [to_x[i], to_y[i], to_z[i]] = off([x[i], y[i], z[i]], [nx[i], ny[i], nz[i]]);
     }
 }
 
@@ -223,15 +191,4 @@ fn fading(lighting: &Lighting) -> f32 {
     let clearest = lighting.patches.as_ref().map_or(1.0, |field| field.extremes().0);
     let all = lighting.absorption.unwrap_or(lighting.attenuation);
     (clearest * all.into_iter().fold(f64::INFINITY, f64::min)) as f32
-}
-
-/// As [`imaging::rays::leaving`].
-#[inline(always)]
-pub(super) fn off([x, y, z]: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
-    let meters = (x * x + y * y + z * z).sqrt().max(1.0) * OFFSET as f32;
-    [
-        x + meters * normal[0],
-        y + meters * normal[1],
-        z + meters * normal[2],
-    ]
 }

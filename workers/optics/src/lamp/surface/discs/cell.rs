@@ -3,11 +3,9 @@
 use imaging::simd::{larger, smaller};
 
 use super::UNKNOWN;
-use crate::lamp::coarse::ALIKE;
 use crate::lamp::surface::shade::{IN_BEAM, LIT};
+use crate::view::lattice::{ALIKE, READ_UP_TO};
 
-/// Largest difference of shares at the corners of a cell for interpolating the others.
-const READ_UP_TO: f32 = 0.25;
 /// If corners see more of the disc, but pixels between them less than half of the lamp, a small occluder is likely.
 const OPEN: f32 = 0.9;
 

@@ -1,3 +1,4 @@
+use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use imaging::rays::Hit;
 
@@ -60,13 +61,16 @@ fn found_and_exact((width, height): (usize, usize), scattering: [f64; 3]) -> [Ve
         patches: None,
     };
     let (facing, seen) = (vec![LIT; width * height], vec![1.0; width * height]);
-    let surfaces = Surfaces {
-        range: &range,
-        normals: &normals,
+    let lit = LitSurfaces {
+        surfaces: Surfaces {
+            camera: &camera,
+            range: &range,
+            normals: &normals,
+        },
         facing: &facing,
         seen: &seen,
     };
-    let discs = Discs::new(&lighting, LAMP, &Posts, surfaces);
+    let discs = Discs::new(&lighting, LAMP, &Posts, lit);
     let found = (0..height).flat_map(|y| {
         let row = discs.of_row(y);
         (0..width).map(|x| row.map(|lane| lane[x])).collect::<Vec<_>>()
@@ -79,7 +83,7 @@ fn found_and_exact((width, height): (usize, usize), scattering: [f64; 3]) -> [Ve
         })
         .collect();
     let [red, green, blue] = scattering.map(|b| {
-        let mut search = Search::new(&lighting, (LAMP, b), &Posts, surfaces);
+        let mut search = Search::new(&lighting, (LAMP, b), &Posts, lit);
         search.look_from_corners(&pixels);
         search.shares
     });

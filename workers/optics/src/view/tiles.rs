@@ -1,10 +1,10 @@
 //! The order of traced pixels: tile by tile, so that the rays of a packet are close together in space.
 
 /// Columns and rows of a tile.
-pub(super) const TILE: usize = 8;
+pub(crate) const TILE: usize = 8;
 
 /// Columns and rows of a picture, tile by tile.
-pub(super) fn in_tiles(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
+pub(crate) fn in_tiles(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
     let tops = (0..height).step_by(TILE);
     let corners = tops.flat_map(move |top| (0..width).step_by(TILE).map(move |left| (left, top)));
     corners.flat_map(move |(left, top)| {
