@@ -32,6 +32,8 @@ const ROUNDING: f64 = 1e-6;
 /// Thickness of a surface: meters, and a share of its range.
 const THICK_M: f64 = 0.05;
 const THICK: f64 = 0.05;
+/// Between its samples a surface may be nearer than at them by this share of its range, with its thickness.
+const BESIDE: f64 = THICK + EDGE - 1.0;
 /// A ray must be behind all surfaces of a square by this share more: points along a ray are known to 1e-8 of their depth.
 const SURELY: f64 = 1e-6;
 
@@ -147,27 +149,30 @@ impl Screen {
         Some(surface / trail.inverse_at(share) - 1.0)
     }
 
-    /// The share of a trail at its intersection with a surface: within the first of equal steps that ends behind one, within its
-    /// thickness.
+    /// The share of a trail at its intersection with a surface: within the first of equal steps that ends behind one.
     fn meet(&self, trail: &Trail) -> Option<f64> {
         let march = March::new(trail, self.inverse.size())?;
+        let step = self.first_behind(&march)?;
+        Some(self.refine(trail, march.share(step.saturating_sub(1)), march.share(step)))
+    }
+
+    /// The first step of a march behind a surface, within its thickness.
+    fn first_behind(&self, march: &March<'_>) -> Option<usize> {
         // Levels from 1 on skip squares; level 0 tests the steps themselves.
         let lowest = self.extent.as_ref().map_or(0, |extent| extent.top().min(1));
         let (mut step, mut level) = (0, 0);
         while step <= march.steps {
             if let Some(extent) = self.extent.as_ref().filter(|_| level > 0) {
-                let square = Square::around(self.cell(trail.place(march.share(step))), level);
-                if let Some(last) = self.passes(&march, extent.of(square), (square, step)) {
+                let square = Square::around(self.cell(march.trail.place(march.share(step))), level);
+                if let Some(last) = self.passes(march, extent.of(square), (square, step)) {
                     (step, level) = (last + 1, (level + 1).min(extent.top()));
                 } else {
                     level -= 1;
                 }
                 continue;
             }
-            let share = march.share(step);
-            if self.is_met(trail, share) {
-                let before = march.share(step.saturating_sub(1));
-                return Some(self.refine(trail, before, share));
+            if self.is_met(march.trail, march.share(step)) {
+                return Some(step);
             }
             step += 1;
             level = lowest;
@@ -220,6 +225,43 @@ impl Screen {
         behind
     }
 
+    /// Lower bound of the distance from a place to what a pixel shows; not a number at holes.
+    fn distance_to(&self, (x, y): (usize, usize), place: DVec3) -> f64 {
+        let ray = DVec3::from(<[f64; 3]>::from(self.camera.ray(x as f64, y as f64)));
+        let surface = ray * (1.0 / self.inverse.pixel(x, y));
+        (surface - place).length() - THICK_M - BESIDE * surface.length()
+    }
+
+    /// Lower bound of [`Screen::distance_to`] of all samples of a square: by a box around its surfaces.
+    fn least_distance(&self, square: Square, [least, most]: [f64; 2], place: DVec3) -> f64 {
+        if least > most {
+            return f64::INFINITY;
+        }
+        let depths = [1.0 / most, 1.0 / least.max(0.0)];
+        let sides = [self.camera.cx, self.camera.cy];
+        let place = <[f64; 3]>::from(place);
+        let (mut apart, mut farthest) = (0.0, 0.0);
+        for axis in 0..3 {
+            let ends = match sides.get(axis) {
+                Some(middle) => square
+                    .edges(axis)
+                    .map(|edge| (edge - middle) / self.camera.focal_px),
+                None => [1.0; 2],
+            };
+            let corners = ends.map(|end| depths.map(|depth| end * depth));
+            let (low, high) = corners
+                .as_flattened()
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                    (low.min(*v), high.max(*v))
+                });
+            let outside = (low - place[axis]).max(place[axis] - high).max(0.0);
+            apart += outside * outside;
+            farthest += low.abs().max(high.abs()).powi(2);
+        }
+        (1.0 - SURELY) * apart.sqrt() - THICK_M - (1.0 + SURELY) * BESIDE * farthest.sqrt()
+    }
+
     fn hit_at(&self, trail: &Trail, distance: f64) -> Hit {
         let share = trail.share(distance);
         let (x, y) = self.nearest(trail.place(share));
@@ -244,8 +286,9 @@ struct March<'a> {
     enter: f64,
     leave: f64,
     steps: usize,
-    /// Steps for each share, and shares for each column and row.
+    /// The share of a step, steps for each share, and shares for each column and row.
     pace: f64,
+    frequency: f64,
     slowness: [f64; 2],
 }
 
@@ -253,20 +296,22 @@ impl<'a> March<'a> {
     fn new(trail: &'a Trail, size: (usize, usize)) -> Option<Self> {
         let [enter, leave] = trail.within(size)?;
         let [first, last] = trail.places;
-        let pixels = (last[0] - first[0]).hypot(last[1] - first[1]) * (leave - enter);
+        let [columns, rows] = [0, 1].map(|axis| last[axis] - first[axis]);
+        let pixels = (columns * columns + rows * rows).sqrt() * (leave - enter);
         let steps = (STEPS * pixels).ceil().clamp(1.0, 1e6) as usize;
         Some(Self {
             trail,
             enter,
             leave,
             steps,
-            pace: steps as f64 / (leave - enter),
-            slowness: [0, 1].map(|axis| 1.0 / (last[axis] - first[axis])),
+            pace: (leave - enter) / steps as f64,
+            frequency: steps as f64 / (leave - enter),
+            slowness: [columns, rows].map(|pixels| 1.0 / pixels),
         })
     }
 
     fn share(&self, step: usize) -> f64 {
-        self.enter + (self.leave - self.enter) * step as f64 / self.steps as f64
+        self.enter + self.pace * step as f64
     }
 
     /// About the last step over a square; a step too early rather than too late.
@@ -278,7 +323,7 @@ impl<'a> March<'a> {
             // Along an axis without movement this is infinite or not a number, and never the minimum.
             share.min((edge - self.trail.places[0][axis]) * slowness)
         });
-        let steps = (share - self.enter) * self.pace;
+        let steps = (share - self.enter) * self.frequency;
         (steps - 1e-6).max(0.0) as usize
     }
 }
@@ -300,18 +345,33 @@ impl Rays for Screen {
     fn clearance(&self, place: [f64; 3]) -> f64 {
         let place = Vector::from(place);
         let (width, height) = self.inverse.size();
-        let clear = |x: usize, y: usize| {
-            let ray = DVec3::from(<[f64; 3]>::from(self.camera.ray(x as f64, y as f64)));
-            let surface = ray * (1.0 / self.inverse.pixel(x, y));
-            (surface - place).length() - THICK_M - (THICK + EDGE - 1.0) * surface.length()
+        let Some(extent) = &self.extent else {
+            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let nearest = pixels.map(|pixel| self.distance_to(pixel, place));
+            return nearest.fold(f64::INFINITY, f64::min).max(0.0);
         };
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let nearest = pixels.map(|(x, y)| clear(x, y)).fold(f64::INFINITY, f64::min);
+        let (mut nearest, mut open) = (f64::INFINITY, vec![extent.whole()]);
+        while let Some(square) = open.pop() {
+            if self.least_distance(square, extent.of(square), place) >= nearest {
+                continue;
+            }
+            match extent.parts(square) {
+                Some(parts) => open.extend(parts),
+                None => {
+                    let samples = square
+                        .samples((width, height))
+                        .map(|pixel| self.distance_to(pixel, place));
+                    nearest = samples.fold(nearest, f64::min);
+                }
+            }
+        }
         nearest.max(0.0)
     }
 
     fn occluded(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> bool {
         let trail = self.trail(origin.into(), direction.into(), from, to);
-        trail.is_some_and(|trail| self.meet(&trail).is_some())
+        let Some(trail) = trail else { return false };
+        let march = March::new(&trail, self.inverse.size());
+        march.is_some_and(|march| self.first_behind(&march).is_some())
     }
 }

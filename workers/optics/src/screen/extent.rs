@@ -32,6 +32,13 @@ impl Square {
         }
     }
 
+    /// The samples at the corners of a cell, in a picture of this size.
+    pub(super) fn samples(self, (width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter();
+        let samples = corners.map(move |(dx, dy)| (self.column + dx, self.row + dy));
+        samples.filter(move |(x, y)| *x < width && *y < height)
+    }
+
     /// Bounds of the columns, or rows, of its cells.
     pub(super) fn edges(self, axis: usize) -> [f64; 2] {
         let at = [self.column, self.row][axis];
@@ -64,6 +71,27 @@ impl Extent {
     /// The coarsest level there is.
     pub(super) fn top(&self) -> usize {
         self.levels.len() - 1
+    }
+
+    /// The square that contains all others.
+    pub(super) fn whole(&self) -> Square {
+        Square::around((0, 0), self.top())
+    }
+
+    /// The squares of the next finer level in a square; `None` for a cell.
+    pub(super) fn parts(&self, square: Square) -> Option<impl Iterator<Item = Square> + use<>> {
+        let level = square.level.checked_sub(1)?;
+        let (columns, rows) = self.levels[level].size();
+        let parts = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| Square {
+            level,
+            column: 2 * square.column + dx,
+            row: 2 * square.row + dy,
+        });
+        Some(
+            parts
+                .into_iter()
+                .filter(move |part| part.column < columns && part.row < rows),
+        )
     }
 
     /// The least and the greatest 1/z in a square.

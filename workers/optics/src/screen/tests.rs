@@ -126,11 +126,13 @@ fn nothing_is_nearer_than_the_clearance() {
     for kind in 0..12 {
         let size = (41, 29);
         let camera = Intrinsics::centered(35.0, size.0, size.1);
-        let screen = Screen::new(&adversarial(kind, size), camera);
+        let range = adversarial(kind, size);
+        let (screen, reference) = (Screen::new(&range, camera), Screen::reference(&range, camera));
         for number in 0..40 {
             let draw = |k: u64| dice.unit(100 * kind + number, k);
             let place = [draw(0) - 0.5, draw(1) - 0.5, 2.0 * draw(2)];
             let clearance = screen.clearance(place);
+            assert_eq!(clearance, reference.clearance(place), "{kind} {number}");
             for k in 0..16 {
                 let toward = DVec3::from([0, 1, 2].map(|i| 2.0 * draw(8 + 3 * k + i) - 1.0)).normalized();
                 if let Some(hit) = screen.hit(place, toward.into(), 0.0, 100.0) {
