@@ -48,8 +48,10 @@ environment() {
 jazzy=$target/tools/ros-jazzy
 kilted=$target/tools/ros-kilted
 environment "$jazzy" 'ros-jazzy-rclpy[fastrtps]==7.1.6' ros-jazzy-sensor-msgs==5.3.6 ros-jazzy-diagnostic-msgs==5.3.6 numpy pybullet==3.2.7 \
-    pillow psutil pytest==9.2.0 || give_up 'ROS 2 Jazzy and PyBullet do not install from PyPI'
+    pillow psutil pytest==9.2.0 rosbags==0.11.9 || give_up 'ROS 2 Jazzy and PyBullet do not install from PyPI'
 environment "$kilted" 'ros-kilted-rclpy[fastrtps]==9.1.2' ros-kilted-sensor-msgs==5.5.1 numpy || give_up 'ROS 2 Kilted does not install from PyPI'
+"$jazzy/bin/pip" install --quiet --disable-pip-version-check mujoco==4.0.0 ||
+    echo 'test-ros: SKIPPED: MuJoCo does not install from PyPI; its example is not tested' >&2
 
 wheel=${FATHOM_WHEEL:-$(scripts/build-wheel.sh)}
 "$jazzy/bin/pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheel"

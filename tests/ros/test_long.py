@@ -20,7 +20,7 @@ CONVERSION = ("conversion CPU", "writing CPU")
 
 
 def sample_memory(node: Node, memory_mb: list[float], is_over: threading.Event) -> None:
-    """Append the memory of the node about twice a second; buffers of frames come and go, so one sample is no measure."""
+    """Append the memory of the node about twice a second: buffers of frames come and go, so one sample is no measure."""
     while not is_over.wait(0.47):
         memory_mb.append(node.measure_memory())
 
