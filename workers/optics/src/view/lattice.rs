@@ -11,8 +11,9 @@ use imaging::Plane;
 
 use super::tiles::in_tiles;
 
-/// Columns and rows of a cell.
+/// The most columns and rows of a cell, and its largest angle, rad.
 const STEP: usize = 4;
+const ANGLE: f64 = 1.0 / 100.0;
 /// Surfaces whose ranges differ by less than this factor are treated as one.
 pub(crate) const ALIKE: f32 = 1.05;
 /// Values that differ by no more than this are interpolated.
@@ -26,6 +27,8 @@ struct Lattice<'a, W> {
     range: &'a [f32],
     is_wanted: W,
     size: (usize, usize),
+    /// Columns and rows of a cell.
+    step: usize,
     values: Vec<f32>,
     /// Which of them are interpolated.
     is_read: Vec<bool>,
@@ -39,14 +42,14 @@ struct Corners {
 }
 
 /// The values, 0..=1, of the pixels that are wanted, and `other` for the rest. `trace` computes those of a list of pixels, in its
-/// order; neighbors in the list are neighbors in the picture.
+/// order; neighbors in the list are neighbors in the picture. Every wanted pixel of a picture with a short focal length is traced.
 pub(crate) fn trace_changes(
-    range: &Plane<f32>,
+    (range, focal_px): (&Plane<f32>, f64),
     is_wanted: impl Fn(usize) -> bool,
     other: f32,
     mut trace: impl FnMut(&[usize], &mut Vec<f32>),
 ) -> Vec<f32> {
-    let mut lattice = Lattice::new(range, is_wanted, other);
+    let mut lattice = Lattice::new((range, focal_px), is_wanted, other);
     let mut found = Vec::new();
     let nodes = lattice.nodes();
     trace(&nodes, &mut found);
@@ -61,12 +64,13 @@ pub(crate) fn trace_changes(
 }
 
 impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
-    fn new(range: &'a Plane<f32>, is_wanted: W, other: f32) -> Self {
+    fn new((range, focal_px): (&'a Plane<f32>, f64), is_wanted: W, other: f32) -> Self {
         let count = range.data().len();
         let blank = |at| if is_wanted(at) { UNKNOWN } else { other };
         Self {
             range: range.data(),
             size: range.size(),
+            step: ((ANGLE * focal_px) as usize).clamp(1, STEP),
             values: (0..count).map(blank).collect(),
             is_read: vec![false; count],
             is_wanted,
@@ -76,9 +80,11 @@ impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
     /// The wanted nodes: the first pixel of each cell, and those in the last column and row of the picture.
     fn nodes(&self) -> Vec<usize> {
         let (width, height) = self.size;
-        let count = |side: usize| (side - 1).div_ceil(STEP) + 1;
+        let count = |side: usize| (side - 1).div_ceil(self.step) + 1;
         in_tiles(count(width), count(height))
-            .map(|(column, row)| (row * STEP).min(height - 1) * width + (column * STEP).min(width - 1))
+            .map(|(column, row)| {
+                (row * self.step).min(height - 1) * width + (column * self.step).min(width - 1)
+            })
             .filter(|at| (self.is_wanted)(*at))
             .collect()
     }
@@ -93,10 +99,10 @@ impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
     fn read_cells(&mut self) -> Vec<usize> {
         let (width, height) = self.size;
         let mut open = Vec::new();
-        for (column, row) in in_tiles(width.div_ceil(STEP), height.div_ceil(STEP)) {
-            let place = (column * STEP, row * STEP);
+        for (column, row) in in_tiles(width.div_ceil(self.step), height.div_ceil(self.step)) {
+            let place = (column * self.step, row * self.step);
             let corners = self.corners(place);
-            let (right, below) = probe(column, row);
+            let (right, below) = probe(column, row, self.step);
             let probe = (place.1 + below) * width + place.0 + right;
             for at in self.pixels(place) {
                 if self.values[at] != UNKNOWN {
@@ -114,13 +120,16 @@ impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
     /// The pixels of the cell that begins at this one.
     fn pixels(&self, (left, top): (usize, usize)) -> impl Iterator<Item = usize> + use<W> {
         let (width, height) = self.size;
-        let (right, bottom) = ((left + STEP).min(width), (top + STEP).min(height));
+        let (right, bottom) = ((left + self.step).min(width), (top + self.step).min(height));
         (top..bottom).flat_map(move |y| (left..right).map(move |x| y * width + x))
     }
 
     fn corners(&self, (left, top): (usize, usize)) -> Corners {
         let (width, height) = self.size;
-        let (right, below) = ((left + STEP).min(width - 1), (top + STEP).min(height - 1));
+        let (right, below) = (
+            (left + self.step).min(width - 1),
+            (top + self.step).min(height - 1),
+        );
         Corners {
             pixels: [(left, top), (right, top), (left, below), (right, below)].map(|(x, y)| y * width + x),
             apart: [right - left, below - top],
@@ -160,7 +169,7 @@ impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
                 let is_other = (self.values[at] - self.values[neighbor]).abs() > READ_UP_TO;
                 if self.is_read[neighbor] && is_other && self.is_one(at, neighbor) {
                     let (x, y) = (neighbor % self.size.0, neighbor / self.size.0);
-                    for pixel in self.pixels((x - x % STEP, y - y % STEP)) {
+                    for pixel in self.pixels((x - x % self.step, y - y % self.step)) {
                         if std::mem::take(&mut self.is_read[pixel]) {
                             forgotten.push(pixel);
                         }
@@ -184,10 +193,10 @@ impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
 
 /// Column and row, in a cell, of the pixel that is traced besides its first one. They follow no pattern: any line of cells soon has
 /// one on each line of pixels.
-fn probe(column: usize, row: usize) -> (usize, usize) {
+fn probe(column: usize, row: usize, step: usize) -> (usize, usize) {
     let mixed = (column as u32).wrapping_mul(0x9e37_79b1) ^ (row as u32).wrapping_mul(0x85eb_ca77);
     let number = ((mixed ^ (mixed >> 15)).wrapping_mul(0x2c1b_3c6d) >> 16) as usize;
-    (number % STEP, number / STEP % STEP)
+    (number % step, number / step % step)
 }
 
 #[cfg(test)]

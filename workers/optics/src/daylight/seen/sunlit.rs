@@ -46,7 +46,7 @@ pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays:
     }
     let (mut ways, mut clear) = (ShadowRays::default(), Vec::new());
     let lit = trace_changes(
-        surfaces.range,
+        (surfaces.range, daylight.gaze.camera.focal_px),
         |at| is_facing[at],
         0.0,
         |pixels, shares| {

@@ -128,7 +128,7 @@ impl Surfaces<'_> {
         let place = lamp.position_m.map(|v| v as f32);
         let (disc, mut sight, mut starts) = (Disc::new(count), Sight::new(rays), Starts::default());
         trace_changes(
-            self.range,
+            (self.range, self.camera.focal_px),
             |at| facing[at] == IN_BEAM,
             1.0,
             |pixels, shares| {
@@ -192,3 +192,6 @@ fn fading(lighting: &Lighting) -> f32 {
     let all = lighting.absorption.unwrap_or(lighting.attenuation);
     (clearest * all.into_iter().fold(f64::INFINITY, f64::min)) as f32
 }
+
+#[cfg(test)]
+mod tests;

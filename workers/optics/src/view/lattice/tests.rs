@@ -11,7 +11,7 @@ struct Found {
 fn find(range: &Plane<f32>, is_wanted: impl Fn(usize) -> bool, exact: impl Fn(usize, usize) -> f32) -> Found {
     let width = range.width();
     let mut traced = 0;
-    let values = trace_changes(range, is_wanted, 9.0, |pixels, values| {
+    let values = trace_changes((range, 600.0), is_wanted, 9.0, |pixels, values| {
         traced += pixels.len();
         values.clear();
         values.extend(pixels.iter().map(|&at| exact(at % width, at / width)));
@@ -114,4 +114,22 @@ fn a_ramp_is_interpolated_and_hardly_traced() {
         assert!((value - ramp(at % width, at / width)).abs() < 1e-5, "{at}");
     }
     assert!(7 * found.traced < width * height, "{}", found.traced);
+}
+
+#[test]
+fn every_wanted_pixel_of_a_small_picture_is_traced() {
+    let range = Plane::filled(60, 40, 2.0f32);
+    let mut traced = Vec::new();
+    trace_changes(
+        (&range, 52.0),
+        |at| at % 3 > 0,
+        0.0,
+        |pixels, values| {
+            traced.extend_from_slice(pixels);
+            values.clear();
+            values.resize(pixels.len(), 1.0);
+        },
+    );
+    traced.sort_unstable();
+    assert_eq!(traced, (0..60 * 40).filter(|at| at % 3 > 0).collect::<Vec<_>>());
 }
