@@ -15,7 +15,7 @@ from fathom.messages.images import read_stamp
 from fathom.messages.pairing import Pair, Pairing
 from fathom.ros.counts import FAILED, NO_DEPTH, Counts
 from fathom.ros.diagnostics import Topics
-from fathom.ros.quality import make_latched_quality, make_quality
+from fathom.ros.quality import make_latched_quality, make_quality, make_transform_quality
 from fathom.ros.settings import Settings
 from fathom.ros.transforms import Transforms
 
@@ -95,7 +95,7 @@ class Subscriptions:
 
     def _subscribe_transforms(self, _: Settings) -> Iterable[Any]:
         kind = import_transforms()
-        yield self._subscribe(kind, "/tf", self._transforms.add, make_quality("reliable"))
+        yield self._subscribe(kind, "/tf", self._transforms.add, make_transform_quality())
         yield self._subscribe(kind, "/tf_static", self._transforms.add_static, make_latched_quality())
 
     def _take_image(self, message: Any) -> None:
