@@ -178,9 +178,9 @@ def test_depths_of_both_types_and_byte_orders_are_equal(tmp_path: Path, big: boo
 SNOW: dict[str, Any] = {"water": {"optics": "jerlov-3C", "snow": {"density_per_m3": 4000}}}
 
 
-def record_poses(folder: Path) -> Path:
+def record_poses(folder: Path, kind: str) -> Path:
     """Write a camera that moves by 0.5 m ahead in each step, with its poses in both forms."""
-    with Recorder(folder, "mcap") as recorder:
+    with Recorder(folder, kind) as recorder:
         recorder.transform("/tf_static", START_NS, "base_link", "camera", (0.0, 0.0, 0.0))
         for number in range(-1, 3):
             stamp_ns = START_NS + number * STEP_NS
@@ -193,6 +193,7 @@ def record_poses(folder: Path) -> Path:
     return recorder.path
 
 
+@pytest.mark.parametrize("kind", ["ros1", "mcap"])
 @pytest.mark.parametrize(
     ("options", "turn"),
     [
@@ -201,11 +202,11 @@ def record_poses(folder: Path) -> Path:
         (["--pose-topic", POSE, "--pose-axes", "body"], np.array([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])),
     ],
 )
-def test_poses_are_interpolated_at_the_stamps(tmp_path: Path, options: list[str], turn: Any) -> None:
-    dive = record_poses(tmp_path)
-    assert convert(tmp_path, dive, "wet", "--image", IMAGE, "--depth", DEPTH, *options, job=SNOW) == 0
+def test_poses_are_interpolated_at_the_stamps(tmp_path: Path, kind: str, options: list[str], turn: Any) -> None:
+    dive = record_poses(tmp_path, kind)
+    assert convert(tmp_path, dive, "wet.mcap", "--image", IMAGE, "--depth", DEPTH, *options, job=SNOW) == 0
     stream = fathom.Stream(SNOW)
-    for number, image in enumerate(read_images(tmp_path / "wet", WET)):
+    for number, image in enumerate(read_images(tmp_path / "wet.mcap", WET)):
         pose = np.eye(4)
         pose[:3, :3] = turn
         share = (STEP_NS - 7) / STEP_NS

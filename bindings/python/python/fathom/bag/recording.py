@@ -11,13 +11,15 @@ from typing import Any
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader as Ros2Reader
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from fathom.bag.damaged import open_damaged
 from fathom.bag.errors import BagError
 from fathom.bag.reader import Reader, describe_error
 from fathom.messages.errors import MessageError
 
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
+"""Type of `/tf` and `/tf_static`."""
 Message = tuple[Connection, int, bytes]
 """A connection, the time of recording in nanoseconds, and the bytes of the message."""
 
@@ -145,7 +147,11 @@ class Recording:
 
 @cache
 def _load_types(is_ros1: bool) -> Any:
-    return get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE)
+    store = get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE)
+    if TRANSFORMS not in store.types:
+        # The library has the types of ROS 1 without that of `/tf`.
+        store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TRANSFORMS))
+    return store
 
 
 def find_kind(path: Path) -> Kind:
