@@ -11,7 +11,7 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 HEIGHT, WIDTH = 24, 32
 START_NS = 1_700_000_000_000_000_000
@@ -46,6 +46,9 @@ class Recorder:
         self.path = folder / KINDS[kind]
         self.is_ros1 = kind == "ros1"
         self.store = get_typestore(Stores.ROS1_NOETIC if self.is_ros1 else Stores.ROS2_HUMBLE)
+        if self.is_ros1:
+            transforms = "geometry_msgs/TransformStamped[] transforms"
+            self.store.register(get_types_from_msg(transforms, "tf2_msgs/msg/TFMessage"))
         plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
         self.writer: Any = (
             Ros1Writer(self.path) if self.is_ros1 else Ros2Writer(self.path, version=8, storage_plugin=plugin)
@@ -125,6 +128,25 @@ class Recorder:
             twist=self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
         )
         self.write(POSE, stamp_ns, message)
+
+    def imu(
+        self, topic: str, stamp_ns: int, turn: tuple[float, ...], push: tuple[float, ...], first_covariance: float = 0
+    ) -> None:
+        """Write an angular velocity and an acceleration."""
+        vector = "geometry_msgs/msg/Vector3"
+        covariance = np.zeros(9)
+        covariance[0] = first_covariance
+        message = self.make(
+            "sensor_msgs/msg/Imu",
+            header=self.header(stamp_ns, "imu"),
+            orientation=self.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+            orientation_covariance=np.zeros(9),
+            angular_velocity=self.make(vector, x=turn[0], y=turn[1], z=turn[2]),
+            angular_velocity_covariance=covariance,
+            linear_acceleration=self.make(vector, x=push[0], y=push[1], z=push[2]),
+            linear_acceleration_covariance=np.zeros(9),
+        )
+        self.write(topic, stamp_ns + 2_000_000, message)
 
     def transform(self, topic: str, stamp_ns: int, parent: str, child: str, place: tuple[float, float, float]) -> None:
         translation = self.make("geometry_msgs/msg/Vector3", x=place[0], y=place[1], z=place[2])

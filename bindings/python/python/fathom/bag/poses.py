@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom.bag.errors import BagError
-from fathom.bag.recording import Recording
+from fathom.bag.recording import TRANSFORMS, Recording
 from fathom.bag.topics import require_type
 from fathom.bag.track import NoPose, Track
 from fathom.messages.images import read_stamp
 
-__all__ = ["NoPose", "Poses", "TopicPoses", "TransformPoses"]
+__all__ = ["NoPose", "Poses", "TopicPoses", "TransformPoses", "find_fixed_transform"]
 
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
 POSE_TYPES = (
     "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/PoseWithCovarianceStamped",
@@ -51,6 +50,33 @@ class TopicPoses:
         del frame_id
         matrix = self._track.interpolate(stamp_ns)
         return matrix @ _BODY_FROM_OPTICAL if self._is_body else matrix
+
+
+def find_fixed_transform(recording: Recording, source: str, target: str) -> NDArray[np.float64]:
+    """Return the matrix from the axes of one frame to those of another, from static transforms; raises `BagError`."""
+    steps: dict[str, tuple[str, NDArray[np.float64]]] = {}
+    connections = [each for each in recording.connections if each.msgtype == TRANSFORMS]
+    for connection, _, data in recording.messages([each for each in connections if each.topic.endswith("static")]):
+        for transform in recording.deserialize(connection, data).transforms:
+            parent, child = transform.header.frame_id.lstrip("/"), transform.child_frame_id.lstrip("/")
+            track = Track(f"{connection.topic} from {child} to {parent}")
+            track.add(0, transform.transform.translation, transform.transform.rotation)
+            steps[child] = (parent, track.interpolate(0))
+    above_source, above_target = (_list_above(frame.lstrip("/"), steps) for frame in (source, target))
+    for frame, to_frame in above_source.items():
+        if frame in above_target:
+            return np.linalg.inv(above_target[frame]) @ to_frame
+    raise BagError(f"no topic of static transforms leads from the frame {source!r} to {target!r}")
+
+
+def _list_above(frame: str, steps: dict[str, tuple[str, NDArray[np.float64]]]) -> dict[str, NDArray[np.float64]]:
+    """Return a frame and those above it, nearest first, with the matrices from its axes to theirs."""
+    above, matrix = {frame: np.eye(4)}, np.eye(4)
+    while frame in steps and steps[frame][0] not in above:
+        frame, step = steps[frame]
+        matrix = step @ matrix
+        above[frame] = matrix
+    return above
 
 
 class TransformPoses:

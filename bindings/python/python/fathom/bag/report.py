@@ -15,7 +15,9 @@ _TERMINAL_S, _FILE_S = 0.2, 10.0
 class Report:
     """Counts frames, and prints progress and diagnostics on standard error."""
 
-    def __init__(self) -> None:
+    def __init__(self, noun: str = "frame") -> None:
+        """The noun names what is counted."""
+        self._noun = noun
         self.done = 0
         """Frames that were written."""
         self._left_out: Counter[str] = Counter()
@@ -48,15 +50,15 @@ class Report:
             return
         self._drawn = now
         rate = self.done / (now - self._started)
-        line = f"{self.done} frames, {self.left_out} left out, {rate:.1f} frames/s"
+        line = f"{self.done} {self._noun}s, {self.left_out} left out, {rate:.1f} {self._noun}s/s"
         print(f"\r\033[K{line}" if self._is_terminal else line, end="" if self._is_terminal else "\n", file=sys.stderr)
         sys.stderr.flush()
 
     def summarize(self) -> None:
         """Print the counts of everything."""
         rate = self.done / max(time.monotonic() - self._started, 1e-9)
-        noun = "frame" if self.done == 1 else "frames"
-        self._print(f"{self.done} {noun} written, {self.left_out} left out, {rate:.1f} frames/s")
+        noun = self._noun if self.done == 1 else f"{self._noun}s"
+        self._print(f"{self.done} {noun} written, {self.left_out} left out, {rate:.1f} {self._noun}s/s")
         for title, counts in (("left out", self._left_out), ("warning", self._warned)):
             for kind, count in counts.most_common():
                 self._print(f"  {title}: {count} × {kind}")
@@ -65,7 +67,7 @@ class Report:
         counts[kind] += 1
         if counts[kind] <= _SHOWN:
             more = "; more like it are counted" if counts[kind] == _SHOWN else ""
-            self._print(f"frame {format_stamp(stamp_ns)}: {text}{more}")
+            self._print(f"{self._noun} {format_stamp(stamp_ns)}: {text}{more}")
 
     def _print(self, text: str) -> None:
         print(f"\r\033[K{text}" if self._is_terminal else text, file=sys.stderr)
