@@ -1,5 +1,6 @@
 //! The pipeline of one frame.
 
+pub(crate) mod costs;
 mod effects;
 mod exposure;
 mod kept;
@@ -31,6 +32,7 @@ use crate::stage::networks::PictureNetworks;
 use crate::stage::style::Networks;
 use crate::stage::{camera, enhance, haze, labels, truth};
 use crate::stopwatch::Stopwatch;
+use costs::{CostScale, StageCost, list_costs};
 use state::{RightCaches, SceneKey, Taken, Thin};
 
 pub use light::WaterLight;
@@ -54,6 +56,12 @@ pub struct LinearPicture {
     pub plan: Plan,
 }
 
+/// The contents of a frame, and the costs of its plan.
+pub(crate) struct PlannedContents {
+    pub(crate) contents: Contents,
+    pub(crate) costs: Vec<StageCost>,
+}
+
 impl Slot {
     /// A slot with empty caches.
     #[must_use]
@@ -69,6 +77,7 @@ impl Slot {
             history: History::default(),
             excluded: Vec::new(),
             kept_effects: None,
+            costs: CostScale::default(),
         }
     }
 
@@ -131,11 +140,16 @@ impl Slot {
         frame: &Frame,
         prepared: &Prepared,
         watch: Stopwatch,
-    ) -> Result<Contents, RenderError> {
+    ) -> Result<PlannedContents, RenderError> {
         let completed = &*camera::complete(frame);
         let scene = (prepared, &SceneSource::Local);
-        let (artifacts, record) = self.run_prepared((frame, completed), scene, watch, files::contents)?;
-        Ok(Contents { artifacts, record })
+        let ((artifacts, costs), record) =
+            self.run_prepared((frame, completed), scene, watch, |context, pictures, record| {
+                let artifacts = files::contents(context, pictures, record)?;
+                Ok((artifacts, list_costs(&context.plan)))
+            })?;
+        let contents = Contents { artifacts, record };
+        Ok(PlannedContents { contents, costs })
     }
 
     fn run_prepared<T>(
@@ -151,7 +165,9 @@ impl Slot {
         let (taken, mut record) = self.take(&mut context, expected, &mut watch)?;
         let Taken { light, exposed, .. } = &taken;
         let context = &context;
-        record.warnings.extend(effects::find_overrun(context));
+        record
+            .warnings
+            .extend(effects::find_overrun(context, &self.costs));
         let traced = if truth::is_asked(context) {
             watch.time("truth", || truth::run(context, light, &mut record))?
         } else {

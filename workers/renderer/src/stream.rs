@@ -12,15 +12,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use imaging::geometry::Intrinsics;
-use spec::{ArtifactKind, Fidelity, FieldError, Frame, FrameRecord, Invalid, Job, RangeKind};
+use spec::{ArtifactKind, Fidelity, FieldError, Frame, Invalid, Job};
 
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::inputs::scene::{Prepared, prepare_picture};
-use crate::slot::Slot;
+use crate::slot::costs::StageCost;
+use crate::slot::{PlannedContents, Slot};
 use crate::stopwatch::Stopwatch;
 use check::{Checked, check_input};
-use deadline::{CALIBRATION_FRAMES, CALIBRATION_SIZE, CostModel};
+use deadline::{Calibration, CalibrationPicture, CostModel, FRAMES, LEAST_MS};
 use decode::{Decoder, read_codes};
 
 pub use description::{StreamJob, StreamParts};
@@ -52,6 +53,12 @@ pub struct Stream {
     slot: Slot,
     decoder: Decoder,
     frames: u64,
+}
+
+/// A frame, and the costs of its plan.
+struct PlannedFrame {
+    frame: StreamFrame,
+    costs: Vec<StageCost>,
 }
 
 impl Stream {
@@ -91,7 +98,9 @@ impl Stream {
         };
         if let Some(deadline_ms) = options.deadline_ms {
             check_deadline(deadline_ms, stream.fixed.fidelity)?;
-            stream.costs = Some(stream.calibrate(deadline_ms));
+            let costs = stream.calibrate(deadline_ms);
+            stream.slot.set_costs(costs.scale().clone());
+            stream.costs = Some(costs);
             if stream.options.vary == Vary::Stream {
                 stream.slot.keep_effects();
             }
@@ -99,41 +108,34 @@ impl Stream {
         Ok(stream)
     }
 
-    /// Calibrates the cost model of the job on this machine with pictures of a slanted wall. If they cannot be rendered, the
-    /// costs of plans are used unchanged.
+    /// Calibrates the cost model of the job on this machine, first with the cheapest plan, then with all effects. If the pictures
+    /// cannot be rendered, the costs of plans are used unchanged.
     fn calibrate(&mut self, deadline_ms: f64) -> CostModel {
-        let (width, height) = CALIBRATION_SIZE;
-        let codes: Vec<u8> = (0..3 * width * height).map(|i| (i % 251) as u8).collect();
-        let meters: Vec<f32> = (0..width * height)
-            .map(|i| 1.0 + 4.0 * (i % width) as f32 / width as f32)
-            .collect();
-        let frames = (0..CALIBRATION_FRAMES).map_while(|stamp_ns| {
-            let input = StreamInput {
-                picture: StreamPicture {
-                    size: CALIBRATION_SIZE,
-                    channels: ChannelOrder::Rgb,
-                    samples: PictureSamples::Srgb(&codes),
-                },
-                depth: Some(StreamDepth {
-                    kind: RangeKind::Range,
-                    size: CALIBRATION_SIZE,
-                    samples: DepthSamples::Meters(&meters),
-                }),
-                instances: None,
-                camera: None,
-                stamp_ns: Some(stamp_ns),
-                pose: None,
-            };
-            Some(self.render(&input).ok()?.record)
-        });
-        let records: Vec<FrameRecord> = frames.collect();
-        if records.is_empty() {
+        let picture = CalibrationPicture::new();
+        let calibration = Calibration {
+            cheap: self.render_calibration(&picture, Fidelity::BudgetMs(LEAST_MS)),
+            full: self.render_calibration(&picture, Fidelity::Picture),
+        };
+        if calibration.cheap.is_empty() {
             let uncalibrated =
                 "no frame could be timed for the deadline: expected costs are those of a usual machine";
             self.warnings.push(uncalibrated.to_owned());
         }
         self.frames = 0;
-        CostModel::new(deadline_ms, &records)
+        CostModel::new(deadline_ms, &calibration)
+    }
+
+    /// The frames after the first, up to one that fails.
+    fn render_calibration(&mut self, picture: &CalibrationPicture, fidelity: Fidelity) -> Vec<PlannedFrame> {
+        self.slot.keep_effects();
+        let described = std::mem::replace(&mut self.fixed.fidelity, fidelity);
+        let vary = std::mem::replace(&mut self.options.vary, Vary::Stream);
+        let all = (0..FRAMES).map_while(|stamp_ns| self.render_planned(&picture.input(stamp_ns)).ok());
+        let frames = all.skip(1).collect();
+        self.fixed.fidelity = described;
+        self.options.vary = vary;
+        self.slot.choose_each_time();
+        frames
     }
 
     /// Warnings about the job.
@@ -153,6 +155,10 @@ impl Stream {
     /// # Errors
     /// [`StreamError::Input`] lists the errors of the input; [`StreamError::Render`] otherwise.
     pub fn render(&mut self, input: &StreamInput<'_>) -> Result<StreamFrame, StreamError> {
+        Ok(self.render_planned(input)?.frame)
+    }
+
+    fn render_planned(&mut self, input: &StreamInput<'_>) -> Result<PlannedFrame, StreamError> {
         let begun = Instant::now();
         let mut watch = Stopwatch::start();
         let checked = check_input(input, self.gives_hfov, &self.fixed.camera).map_err(StreamError::Input)?;
@@ -169,20 +175,21 @@ impl Stream {
             codes: read_codes(&input.picture),
             ..prepared
         };
-        let contents = self
+        let PlannedContents { contents, costs } = self
             .slot
             .guard(&frame, |slot| slot.contents_of(&frame, &prepared, watch))?;
         self.decoder.recycle(prepared.scene);
         self.frames += 1;
         let mut record = contents.record;
-        if let Some(costs) = &self.costs {
-            costs.correct_warnings(&mut record, input.picture.size);
+        if let Some(model) = &self.costs {
+            model.correct_warnings(&mut record, &costs, input.picture.size);
         }
-        Ok(StreamFrame {
+        let frame = StreamFrame {
             artifacts: contents.artifacts,
             record,
             elapsed_ms: begun.elapsed().as_secs_f64() * 1e3,
-        })
+        };
+        Ok(PlannedFrame { frame, costs })
     }
 
     /// The frame of an input: its distributions, stamp and artifacts.

@@ -1,9 +1,10 @@
 //! The effects of a frame, chosen before it is planned.
 
 use optics::layering::Layering;
-use optics::plan::{Plan, StageId, occlusion_ns};
+use optics::plan::{StageId, occlusion_ns};
 use spec::Fidelity;
 
+use super::costs::{CostScale, list_costs};
 use super::kept::KeptEffects;
 use super::state::Slot;
 use crate::context::FrameContext;
@@ -16,10 +17,20 @@ use crate::stage::{daylight, lamps};
 use crate::stopwatch::Stopwatch;
 
 impl Slot {
-    /// From now on frames may have the effects of the frames before, which must be of one job and fidelity. Their plans then depend on
-    /// their order.
+    /// From now on frames may have the effects of the frames before from here on, which must be of one job and fidelity. Their plans then
+    /// depend on their order.
     pub(crate) fn keep_effects(&mut self) {
         self.kept_effects = Some(KeptEffects::default());
+    }
+
+    /// From now on effects are chosen for each frame.
+    pub(crate) fn choose_each_time(&mut self) {
+        self.kept_effects = None;
+    }
+
+    /// Sets the costs of this machine, which budgets are compared with.
+    pub(crate) fn set_costs(&mut self, costs: CostScale) {
+        self.costs = costs;
     }
 
     /// Leaves out the effects that do not visibly change a thinned picture of the frame, and further ones to meet a budget. Other
@@ -45,7 +56,8 @@ impl Slot {
         if let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity {
             let engine = &self.networks.engine;
             loop {
-                let excess_ms = expect_ms(&plan_frame(context, expected, None, engine)?) - budget_ms;
+                let plan = plan_frame(context, expected, None, engine)?;
+                let excess_ms = self.costs.expect_ms(&list_costs(&plan)) - budget_ms;
                 if excess_ms <= 0.0 || !effects.economize(excess_ms) {
                     break;
                 }
@@ -85,7 +97,8 @@ impl Slot {
             return Ok(effects);
         };
         for id in ESTIMATED {
-            let change = preview.measure_change(id, expect_effect_ms(context, layers, id));
+            let expected_ms = self.costs.factor(id) * expect_effect_ms(context, layers, id);
+            let change = preview.measure_change(id, expected_ms);
             if let Some(change) = change {
                 effects.add(id, change);
             }
@@ -105,17 +118,12 @@ fn expect_effect_ms(context: &FrameContext<'_>, layers: usize, id: StageId) -> f
     ns * (width * height) as f64 / 1e6
 }
 
-/// Sum of the expected milliseconds of all stages with a cost estimate.
-fn expect_ms(plan: &Plan) -> f64 {
-    plan.stages.iter().filter_map(|stage| stage.cost_ms).sum()
-}
-
 /// The warning of a frame whose cheapest plan exceeds its budget.
-pub(super) fn find_overrun(context: &FrameContext<'_>) -> Option<String> {
+pub(super) fn find_overrun(context: &FrameContext<'_>, costs: &CostScale) -> Option<String> {
     let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
         return None;
     };
-    let cost = expect_ms(&context.plan);
+    let cost = costs.expect_ms(&list_costs(&context.plan));
     (cost > budget_ms).then(|| format!(
         "`fidelity.budget_ms` is {budget_ms}, but the cheapest plan is expected to take {cost:.0} ms; raise it or make the picture \
          smaller"

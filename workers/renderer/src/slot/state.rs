@@ -8,6 +8,7 @@ use optics::forward_scatter::KernelCache;
 use optics::plan::StageId;
 use spec::{Camera, Scene};
 
+use super::costs::CostScale;
 use super::kept::KeptEffects;
 use crate::context::Resources;
 use crate::inputs::scene::Prepared;
@@ -33,6 +34,8 @@ pub struct Slot {
     pub(super) excluded: Vec<StageId>,
     /// `None` if effects are chosen for each frame.
     pub(super) kept_effects: Option<KeptEffects>,
+    /// The costs of plans on this machine; those of the reference machine unless calibrated.
+    pub(super) costs: CostScale,
 }
 
 /// Everything that a prepared scene depends on. Scenes from local files are not cached because the files may change.
