@@ -199,16 +199,17 @@ def test_depths_that_come_after_their_images_were_returned_are_counted() -> None
     pairing.add_image(0, "without a depth for a second")
     pairing.add_image(2 * SECOND, "passed by a later depth")
     pairing.add_depth(3 * SECOND, "of neither image")
+    pairing.add_depth(2 * SECOND + 20_000_001, "beyond the slop")
     assert pairing.late_depths == 0
     pairing.add_depth(2 * SECOND + 20_000_000, "at the limit of the slop")
     assert pairing.late_depths == 1
-    # Each image has one late depth, and a depth beyond the slop has none.
-    pairing.add_depth(2 * SECOND - 1, "also near")
-    pairing.add_depth(2 * SECOND + 20_000_001, "too far")
+    # Each image has one late depth.
+    pairing.add_depth(2 * SECOND + 1, "also near")
     assert pairing.late_depths == 1
-    # Depths in time are not late, whatever their offset.
+    # An image that has a depth misses none.
     pairing.add_image(4 * SECOND, "good")
-    (pair,) = pairing.add_depth(4 * SECOND + 1, "good")
+    (pair,) = pairing.add_depth(4 * SECOND, "good")
+    pairing.add_depth(4 * SECOND + 1, "second")
     assert (pair.depth, pairing.late_depths) == ("good", 1)
 
 
