@@ -16,7 +16,7 @@ class Report:
     """Counts frames, and prints progress and diagnostics on standard error."""
 
     def __init__(self, noun: str = "frame") -> None:
-        """The noun names what is counted."""
+        """`noun` is the name of what is counted."""
         self._noun = noun
         self.done = 0
         """Frames that were written."""
