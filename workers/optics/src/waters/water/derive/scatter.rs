@@ -2,8 +2,8 @@
 
 use spec::{ForwardScatter, PhaseFunction, ScatterModel};
 
+use super::super::two_kernels;
 use super::checks::{Checks, Coefficients, G_SHARE_OF_SCATTERING};
-use super::{each, two_kernels};
 use crate::medium::{Kernels, Medium};
 use crate::water::model::{Scatter, Spread, Tail};
 
@@ -98,7 +98,7 @@ impl Checks {
             self.derived.push("g_per_m");
             // The sum of rounded a and b may fall short of a given c by rounding; G may not exceed it.
             let limit = known.attenuation.unwrap_or([f64::INFINITY; 3]);
-            return Some(each(|i| (a[i] + G_SHARE_OF_SCATTERING * b[i]).min(limit[i])));
+            return Some([0, 1, 2].map(|i| (a[i] + G_SHARE_OF_SCATTERING * b[i]).min(limit[i])));
         }
         self.within_attenuation("g_per_m", request.g_per_m, known.attenuation);
         request.g_per_m
