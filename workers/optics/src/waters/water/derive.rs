@@ -8,8 +8,8 @@ mod above;
 mod checks;
 mod scatter;
 
+use super::WaterError;
 use super::model::{Scatter, Water};
-use super::{WaterError, two_kernels};
 use crate::daylight::DaylightModel;
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::medium::{Ambient, Medium};
