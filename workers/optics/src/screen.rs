@@ -225,7 +225,7 @@ impl Screen {
         behind
     }
 
-    /// Lower bound of the distance from a place to what a pixel shows; not a number at holes.
+    /// Lower bound of the distance from a place to the surface at a pixel; NaN at holes.
     fn distance_to(&self, (x, y): (usize, usize), place: DVec3) -> f64 {
         let ray = DVec3::from(<[f64; 3]>::from(self.camera.ray(x as f64, y as f64)));
         let surface = ray * (1.0 / self.inverse.pixel(x, y));

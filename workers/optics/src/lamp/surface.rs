@@ -54,10 +54,10 @@ pub fn irradiance_in_tiles(
     shine_on(range, normals, lighting, options)
 }
 
-/// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. It has three errors that `rounding` does not
+/// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. It has four errors that `rounding` does not
 /// include. A ray that grazes an edge may pass on its other side. If all or none of the rim samples of a soft lamp are occluded, it
-/// counts as fully dark or fully lit. The discs of scattered lamp light are sampled at few pixels where they change little. Light
-/// up to `unseen` on a surface is never occluded.
+/// counts as fully dark or fully lit. Shadows of a few pixels may be missed in large pictures. The discs of scattered lamp light are
+/// sampled at few pixels where they change little. Light up to `unseen` on a surface is never occluded.
 #[must_use]
 pub fn shaded_irradiance(
     range: &Plane<f32>,

@@ -1,10 +1,10 @@
-//! Quantities that are constant over most of a picture, such as which share of a lamp is visible: traced at the nodes of a lattice,
-//! and pixel by pixel where they change.
+//! Quantities that change at few pixels, such as the visible share of a lamp: rays start at the nodes of a lattice, and at every
+//! pixel near a change.
 //!
 //! A pixel is interpolated between those corners of its cell that show the same surface, if they have similar values and more than
 //! half of the weight. All others are traced, and one more pixel of each cell, at places that change from cell to cell, so that no
 //! narrow line passes between all of them. If a traced pixel differs from an interpolated one next to it, the cell of that one is
-//! traced too: an edge is followed wherever it leads. What is missed is smaller than a cell, or narrower than three pixels and
+//! traced too: an edge is followed wherever it leads. Missed features are smaller than a cell, or narrower than three pixels and
 //! shorter than a few cells.
 
 use imaging::Plane;
@@ -41,7 +41,7 @@ struct Corners {
     apart: [usize; 2],
 }
 
-/// The values, 0..=1, of the pixels that are wanted, and `other` for the rest. `trace` computes those of a list of pixels, in its
+/// The values of wanted pixels, 0..=1, and `other` for the rest. `trace` computes those of a list of pixels, in its
 /// order; neighbors in the list are neighbors in the picture. Every wanted pixel of a picture with a short focal length is traced.
 pub(crate) fn trace_changes(
     (range, focal_px): (&Plane<f32>, f64),
@@ -191,8 +191,8 @@ impl<'a, W: Fn(usize) -> bool> Lattice<'a, W> {
     }
 }
 
-/// Column and row, in a cell, of the pixel that is traced besides its first one. They follow no pattern: any line of cells soon has
-/// one on each line of pixels.
+/// Column and row, in a cell, of its second traced pixel. The positions have no pattern, so that along any line of cells one is soon on each
+/// line of pixels.
 fn probe(column: usize, row: usize, step: usize) -> (usize, usize) {
     let mixed = (column as u32).wrapping_mul(0x9e37_79b1) ^ (row as u32).wrapping_mul(0x85eb_ca77);
     let number = ((mixed ^ (mixed >> 15)).wrapping_mul(0x2c1b_3c6d) >> 16) as usize;

@@ -7,7 +7,7 @@ use optics::plan::{Plan, StageId};
 use crate::effects::ESTIMATED;
 
 /// Factors of expected costs by timing, for the stages that every plan has and for the effects that a plan may leave out. They differ:
-/// a shadow ray through a range image takes longer than one through solids, and arithmetic does not.
+/// shadow rays through a range image are slower than those through solids, while arithmetic has the same speed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct CostScale {
     pub(crate) base: BTreeMap<&'static str, f64>,

@@ -1,5 +1,5 @@
-//! Plans that meet a deadline. Plans expect the costs of a reference machine; a calibration scales them to this one, each timing on
-//! its own.
+//! Plans that meet a deadline. Plans expect the costs of a reference machine; a calibration scales them to this one, with a factor
+//! for each timing.
 
 use std::collections::BTreeMap;
 
@@ -80,7 +80,7 @@ pub(super) struct CostModel {
 }
 
 impl CostModel {
-    /// Fits the model. It takes the minimum of each time, since disturbances only add to it.
+    /// Fits the model to the minimum of each time, since disturbances only add to it.
     pub(super) fn new(deadline_ms: f64, calibration: &Calibration) -> Self {
         let (width, height) = SIZE;
         let (cheap, full) = (Times::new(&calibration.cheap), Times::new(&calibration.full));

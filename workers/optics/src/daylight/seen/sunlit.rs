@@ -33,7 +33,7 @@ pub fn sunlit_reference(
     })
 }
 
-/// [`sunlit_reference`] in ray packets, traced where it changes. A shadow of less than four pixels across and along may be missed.
+/// [`sunlit_reference`] in ray packets, traced where it changes. In large pictures, shadows of a few pixels may be missed.
 #[must_use]
 pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays: &dyn Rays) -> Plane<f32> {
     let (width, height) = surfaces.range.size();

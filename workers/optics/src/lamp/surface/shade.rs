@@ -98,7 +98,7 @@ impl Shade {
     }
 }
 
-/// What a camera sees.
+/// Visible surfaces of a camera.
 #[derive(Clone, Copy)]
 pub(super) struct Surfaces<'a> {
     pub(super) camera: &'a Intrinsics,

@@ -2,7 +2,7 @@ use super::*;
 
 const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 2), (33, 21), (64, 48), (131, 77)];
 
-/// What is found of a picture, and how many of its pixels are traced.
+/// The values of a picture, and the number of its traced pixels.
 struct Found {
     values: Vec<f32>,
     traced: usize,
@@ -60,7 +60,7 @@ fn lines_one_pixel_wide_are_followed_wherever_they_pass() {
                 count_wrong(&find(&range, |_| true, flat), width, flat),
                 count_wrong(&find(&range, |_| true, steep), width, steep),
             ];
-            // An end of it at the edge of the picture may lie between the last nodes.
+            // One end, at the edge of the picture, may be between the last nodes.
             assert!(
                 wrong.iter().all(|count| *count <= 2),
                 "{slope} {offset}: {wrong:?}"

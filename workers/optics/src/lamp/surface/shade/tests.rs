@@ -16,9 +16,9 @@ struct Bars;
 
 impl Rays for Bars {
     fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
-        let at = |depth: f64| (depth - origin[2]) / direction[2];
+        let distance_to = |depth: f64| (depth - origin[2]) / direction[2];
         let is_in_reach = |distance: f64| distance >= from && distance <= to;
-        let near = at(BARS_M);
+        let near = distance_to(BARS_M);
         let [x, y] = [0, 1].map(|axis| origin[axis] + near * direction[axis]);
         let across = [x, y, 0.8 * x + 0.6 * y].map(|v| (v + 0.1).rem_euclid(0.7));
         let is_bar = across
@@ -33,7 +33,7 @@ impl Rays for Bars {
         if is_bar && is_in_reach(near) {
             return Some(hit(near));
         }
-        Some(at(WALL_M))
+        Some(distance_to(WALL_M))
             .filter(|distance| is_in_reach(*distance))
             .map(hit)
     }
