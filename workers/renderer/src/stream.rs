@@ -17,11 +17,10 @@ use spec::{ArtifactKind, Fidelity, FieldError, Frame, Invalid, Job};
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::inputs::scene::{Prepared, prepare_picture};
-use crate::slot::costs::StageCost;
 use crate::slot::{PlannedContents, Slot};
 use crate::stopwatch::Stopwatch;
 use check::{Checked, check_input};
-use deadline::{Calibration, CalibrationPicture, CostModel, FRAMES, LEAST_MS};
+use deadline::{Calibration, CalibrationPicture, CostModel, FRAMES, LEAST_MS, PlannedFrame};
 use decode::{Decoder, read_codes};
 
 pub use description::{StreamJob, StreamParts};
@@ -53,12 +52,6 @@ pub struct Stream {
     slot: Slot,
     decoder: Decoder,
     frames: u64,
-}
-
-/// A frame, and the costs of its plan.
-struct PlannedFrame {
-    frame: StreamFrame,
-    costs: Vec<StageCost>,
 }
 
 impl Stream {

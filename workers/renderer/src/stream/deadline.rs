@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use spec::{FrameRecord, RangeKind};
 
-use super::PlannedFrame;
 use super::input::{ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamInput, StreamPicture};
+use super::output::StreamFrame;
 use crate::slot::costs::{CostScale, StageCost, is_effect, timing};
 
 /// Columns and rows of the pictures of a calibration.
@@ -60,6 +60,12 @@ impl CalibrationPicture {
             pose: None,
         }
     }
+}
+
+/// A frame, and the costs of its plan.
+pub(super) struct PlannedFrame {
+    pub(super) frame: StreamFrame,
+    pub(super) costs: Vec<StageCost>,
 }
 
 /// Frames of a calibration, without those that fill the caches.

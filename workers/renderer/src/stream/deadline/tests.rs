@@ -1,7 +1,6 @@
 use optics::plan::StageId;
 
 use super::*;
-use crate::stream::StreamFrame;
 
 /// A frame with attenuation, and with shadows of lamps if they take some time.
 fn planned(water_ms: f64, lamps_ms: f64, total_ms: f64) -> PlannedFrame {
