@@ -86,7 +86,7 @@ fn shadows_are_found_as_if_each_pixel_were_traced() {
             wrong / count
         );
         assert!(
-            dark > 0.03 * count,
+            dark > 0.02 * count,
             "hardly anything is in shadow: {}",
             dark / count
         );
