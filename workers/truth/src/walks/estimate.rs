@@ -27,6 +27,10 @@ pub struct Level {
 pub enum LightPart {
     /// None.
     Unscattered,
+    /// One.
+    Single,
+    /// Two or more.
+    Multiple,
     /// One or more.
     Scattered,
     /// Any.
@@ -37,6 +41,8 @@ impl LightPart {
     fn orders(self) -> Range<usize> {
         match self {
             Self::Unscattered => 0..1,
+            Self::Single => 1..2,
+            Self::Multiple => 2..ORDERS,
             Self::Scattered => 1..ORDERS,
             Self::All => 0..ORDERS,
         }
@@ -166,7 +172,8 @@ pub struct Estimate {
     pub size: (usize, usize),
     /// Paths of each pixel.
     pub paths: u64,
-    pub(crate) pixels: Vec<PixelSums>,
+    /// The sums of each pixel, row by row.
+    pub pixels: Vec<PixelSums>,
 }
 
 /// Distribution of the errors of blocks.
