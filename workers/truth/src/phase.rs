@@ -23,6 +23,19 @@ pub struct Phase {
     shares: Vec<f64>,
     /// Density of each bin, 1/sr.
     densities: Vec<f64>,
+    /// The scattering angles at the edges, rad.
+    angles: Vec<f64>,
+    /// ∫ p dθ up to each edge, rad/sr.
+    integrals: Vec<f64>,
+}
+
+/// A scattering angle drawn from p between two angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DrawnAngle {
+    /// The angle, rad.
+    pub(crate) angle: f64,
+    /// Its density, 1/rad.
+    pub(crate) density: f64,
 }
 
 impl Phase {
@@ -60,10 +73,17 @@ impl Phase {
             let width = 4.0 * PI * (0.5 * (low + high)).sin() * (0.5 * (high - low)).sin();
             (shares[k + 1] - shares[k]).max(0.0) / width
         });
+        let densities: Vec<f64> = densities.collect();
+        let mut integrals = vec![0.0; BINS + 1];
+        for k in 0..BINS {
+            integrals[k + 1] = integrals[k] + densities[k] * (angles[k + 1] - angles[k]);
+        }
         Self {
-            densities: densities.collect(),
+            densities,
             edges,
             shares,
+            angles,
+            integrals,
         }
     }
 
@@ -98,6 +118,30 @@ impl Phase {
         let k = bin(&self.shares, unit);
         let part = (unit - self.shares[k]) / (self.shares[k + 1] - self.shares[k]);
         self.edges[k] + part * (self.edges[k + 1] - self.edges[k])
+    }
+
+    /// A random angle between two scattering angles with a density proportional to p, from a random number in [0, 1). `None` if p is 0
+    /// between them.
+    #[must_use]
+    pub(crate) fn draw_angle(&self, [low, high]: [f64; 2], unit: f64) -> Option<DrawnAngle> {
+        let from = self.integral(low);
+        let whole = self.integral(high) - from;
+        if whole <= 0.0 {
+            return None;
+        }
+        let sought = from + unit * whole;
+        let k = bin(&self.integrals, sought);
+        let angle = self.angles[k] + (sought - self.integrals[k]) / self.densities[k];
+        (self.densities[k] > 0.0).then(|| DrawnAngle {
+            angle: angle.clamp(low, high),
+            density: self.densities[k] / whole,
+        })
+    }
+
+    /// ∫ p dθ from 0 to an angle.
+    fn integral(&self, angle: f64) -> f64 {
+        let k = bin(&self.angles, angle);
+        self.integrals[k] + self.densities[k] * (angle - self.angles[k])
     }
 
     /// A random direction around a unit vector, from two random numbers.
@@ -196,6 +240,25 @@ mod tests {
             .map(|k| phase.densities[k] * 2.0 * PI * (phase.edges[k + 1] - phase.edges[k]))
             .sum();
         assert!((sphere - 1.0).abs() < 1e-9, "{sphere}");
+    }
+
+    #[test]
+    fn angles_between_two_are_drawn_in_proportion_to_the_density() {
+        let phase = Phase::fournier_forand(FournierForand::of_backscatter(0.0183));
+        let (low, high, draws) = (0.02, 1.3, 20_000);
+        let whole = phase.integral(high) - phase.integral(low);
+        // The mean of 1/density is the width of the interval, and each angle is as frequent as its share of the integral.
+        let (mut width, mut below) = (0.0, 0);
+        for i in 0..draws {
+            let drawn = phase.draw_angle([low, high], (i as f64 + 0.5) / draws as f64);
+            let drawn = drawn.expect("a positive density");
+            assert!((low..=high).contains(&drawn.angle));
+            width += 1.0 / (drawn.density * draws as f64);
+            below += i32::from(drawn.angle < 0.1);
+        }
+        assert!((width / (high - low) - 1.0).abs() < 1e-3, "{width}");
+        let share = (phase.integral(0.1) - phase.integral(low)) / whole;
+        assert!((f64::from(below) / draws as f64 - share).abs() < 1e-3, "{below}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! One path from the camera to the light.
 
+mod lamp_view;
 mod light;
 
 use imaging::random::Stream;

@@ -1,10 +1,11 @@
 //! Light collected by a path.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use imaging::rays::leaving;
 use imaging::vector::DVec3;
 
+use super::lamp_view::LampView;
 use super::{ORDERS, Walk};
 use crate::lamp::SphereLamp;
 use crate::phase::versine;
@@ -24,8 +25,7 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    /// Adds the single scattering of every lamp into a segment, at one point each, uniform in the angle at the lamp
-    /// (Kulla and Fajardo 2012).
+    /// Adds the single scattering of every lamp into a segment, at one point each.
     pub(super) fn lamps_along(&mut self, along: Along, end: &End) {
         if !self.scatters() {
             return;
@@ -33,44 +33,42 @@ impl<const N: usize> Walk<'_, N> {
         let scene = self.scene;
         for lamp in &scene.lamps {
             let unit = self.dice.next();
-            if let Some(light) = self.lamp_along(lamp, along, end.distance, unit) {
+            let Some(view) = LampView::new(lamp, along, end.distance) else {
+                continue;
+            };
+            if let Some(light) = self.lamp_along(lamp, &view, along, end.distance, unit) {
                 self.add(self.order + 1, light);
             }
         }
     }
 
-    fn lamp_along(&mut self, lamp: &SphereLamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
+    fn lamp_along(
+        &mut self,
+        lamp: &SphereLamp,
+        view: &LampView,
+        along: Along,
+        end: f64,
+        unit: f64,
+    ) -> Option<[f64; N]> {
         let Along { origin, direction } = along;
-        let away = lamp.place + -origin;
-        let nearest = direction.dot(away);
-        let offset = (away.dot(away) - nearest * nearest)
-            .max(0.0)
-            .sqrt()
-            .max(lamp.radius_m);
-        let begin = (-nearest / offset).atan();
-        let finish = if end.is_finite() {
-            ((end - nearest) / offset).atan()
-        } else {
-            FRAC_PI_2
-        };
-        let beyond = offset * (begin + unit * (finish - begin)).tan();
-        let distance = nearest + beyond;
+        let drawn = self.scene.phase.draw_angle(view.angles, unit)?;
+        let distance = view.distance(drawn.angle);
         if !(0.0..=end).contains(&distance) {
             return None;
         }
         let place = origin + direction * distance;
-        let (reach, toward) = self.unblocked(lamp, place, 0.0)?;
-        let profile = lamp.profile(-toward);
+        let profile = lamp.profile((place + -lamp.place).normalized());
         if profile <= 0.0 {
             return None;
         }
+        let (reach, toward) = self.unblocked(lamp, place, 0.0)?;
         let gap = reach.max(lamp.radius_m);
         let sine = (lamp.radius_m / gap).min(1.0);
         let cone = 1.0 - (1.0 - sine * sine).sqrt();
         let scattered = self.scene.phase.density_toward(versine(toward, direction), cone);
         let turbidity = &self.scene.turbidity;
         let meters = turbidity.meters(origin, direction, distance) + turbidity.meters(place, toward, gap);
-        let stretch = (finish - begin) * (offset * offset + beyond * beyond) / offset;
+        let stretch = view.stretch(distance) / drawn.density;
         let shape = turbidity.factor(place) * scattered * profile * stretch / (gap * gap);
         Some(self.channels.map(|channel| {
             let water = self.scene.water[channel];
