@@ -25,8 +25,41 @@ pub struct Phase {
     densities: Vec<f64>,
     /// The scattering angles at the edges, rad.
     angles: Vec<f64>,
-    /// ∫ p dθ up to each edge, rad/sr.
+    /// Angles toward a point.
+    outside: AngleTable,
+    /// Angles toward an extended source on a line through it.
+    inside: AngleTable,
+}
+
+/// A density of scattering angles, constant within each bin.
+#[derive(Debug, Clone, PartialEq)]
+struct AngleTable {
+    /// The density of each bin, up to a factor.
+    densities: Vec<f64>,
+    /// Its integral up to each edge.
     integrals: Vec<f64>,
+}
+
+impl AngleTable {
+    fn new(densities: Vec<f64>, angles: &[f64]) -> Self {
+        let mut integrals = vec![0.0; BINS + 1];
+        for k in 0..BINS {
+            integrals[k + 1] = integrals[k] + densities[k] * (angles[k + 1] - angles[k]);
+        }
+        Self {
+            densities,
+            integrals,
+        }
+    }
+}
+
+/// Scattering angles along a segment that a lamp illuminates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AngleRange {
+    /// Least and greatest angle, rad.
+    pub(crate) ends: [f64; 2],
+    /// Whether the line crosses the lamp: then the angle is that of its radius, and the light that of the cone it fills.
+    pub(crate) is_inside: bool,
 }
 
 /// A scattering angle drawn from p between two angles.
@@ -74,16 +107,20 @@ impl Phase {
             (shares[k + 1] - shares[k]).max(0.0) / width
         });
         let densities: Vec<f64> = densities.collect();
-        let mut integrals = vec![0.0; BINS + 1];
-        for k in 0..BINS {
-            integrals[k + 1] = integrals[k] + densities[k] * (angles[k + 1] - angles[k]);
-        }
+        let cones = (0..BINS).map(|k| {
+            if edges[k + 1] <= 1.0 {
+                shares[k + 1] / (2.0 * PI * edges[k + 1])
+            } else {
+                densities[k]
+            }
+        });
         Self {
+            inside: AngleTable::new(cones.collect(), &angles),
+            outside: AngleTable::new(densities.clone(), &angles),
             densities,
             edges,
             shares,
             angles,
-            integrals,
         }
     }
 
@@ -120,28 +157,34 @@ impl Phase {
         self.edges[k] + part * (self.edges[k + 1] - self.edges[k])
     }
 
-    /// A random angle between two scattering angles with a density proportional to p, from a random number in [0, 1). `None` if p is 0
-    /// between them.
+    /// A random angle of a range, from a random number in [0, 1): in proportion to p, or inside a source to the mean of p over the cone
+    /// that it fills. `None` if the density is 0 in the whole range.
     #[must_use]
-    pub(crate) fn draw_angle(&self, [low, high]: [f64; 2], unit: f64) -> Option<DrawnAngle> {
-        let from = self.integral(low);
-        let whole = self.integral(high) - from;
+    pub(crate) fn draw_angle(&self, range: AngleRange, unit: f64) -> Option<DrawnAngle> {
+        let table = if range.is_inside {
+            &self.inside
+        } else {
+            &self.outside
+        };
+        let [low, high] = range.ends;
+        let from = self.integral(table, low);
+        let whole = self.integral(table, high) - from;
         if whole <= 0.0 {
             return None;
         }
         let sought = from + unit * whole;
-        let k = bin(&self.integrals, sought);
-        let angle = self.angles[k] + (sought - self.integrals[k]) / self.densities[k];
-        (self.densities[k] > 0.0).then(|| DrawnAngle {
+        let k = bin(&table.integrals, sought);
+        let angle = self.angles[k] + (sought - table.integrals[k]) / table.densities[k];
+        (table.densities[k] > 0.0).then(|| DrawnAngle {
             angle: angle.clamp(low, high),
-            density: self.densities[k] / whole,
+            density: table.densities[k] / whole,
         })
     }
 
-    /// ∫ p dθ from 0 to an angle.
-    fn integral(&self, angle: f64) -> f64 {
+    /// The integral of a table from 0 to an angle.
+    fn integral(&self, table: &AngleTable, angle: f64) -> f64 {
         let k = bin(&self.angles, angle);
-        self.integrals[k] + self.densities[k] * (angle - self.angles[k])
+        table.integrals[k] + table.densities[k] * (angle - self.angles[k])
     }
 
     /// A random direction around a unit vector, from two random numbers.
@@ -243,22 +286,27 @@ mod tests {
     }
 
     #[test]
-    fn angles_between_two_are_drawn_in_proportion_to_the_density() {
+    fn angles_of_a_range_are_drawn_as_often_as_their_density_says() {
         let phase = Phase::fournier_forand(FournierForand::of_backscatter(0.0183));
-        let (low, high, draws) = (0.02, 1.3, 20_000);
-        let whole = phase.integral(high) - phase.integral(low);
-        // The mean of 1/density is the width of the interval, and each angle is as frequent as its share of the integral.
-        let (mut width, mut below) = (0.0, 0);
-        for i in 0..draws {
-            let drawn = phase.draw_angle([low, high], (i as f64 + 0.5) / draws as f64);
-            let drawn = drawn.expect("a positive density");
-            assert!((low..=high).contains(&drawn.angle));
-            width += 1.0 / (drawn.density * draws as f64);
-            below += i32::from(drawn.angle < 0.1);
+        let draws = 20_000;
+        for is_inside in [false, true] {
+            let range = AngleRange {
+                ends: [0.02, 1.3],
+                is_inside,
+            };
+            // The mean of 1/density over the angles below a limit is the width of their interval.
+            let mut widths = [0.0; 3];
+            for i in 0..draws {
+                let unit = (i as f64 + 0.5) / draws as f64;
+                let drawn = phase.draw_angle(range, unit).expect("a positive density");
+                for (limit, width) in [0.1, 0.6, 1.3].into_iter().zip(&mut widths) {
+                    *width += f64::from(u8::from(drawn.angle <= limit)) / (drawn.density * draws as f64);
+                }
+            }
+            for (limit, width) in [0.1, 0.6, 1.3].into_iter().zip(widths) {
+                assert!((width / (limit - 0.02) - 1.0).abs() < 2e-3, "{limit}: {width}");
+            }
         }
-        assert!((width / (high - low) - 1.0).abs() < 1e-3, "{width}");
-        let share = (phase.integral(0.1) - phase.integral(low)) / whole;
-        assert!((f64::from(below) / draws as f64 - share).abs() < 1e-3, "{below}");
     }
 
     #[test]

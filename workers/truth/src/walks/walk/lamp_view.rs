@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::lamp::SphereLamp;
+use crate::phase::AngleRange;
 use crate::scene::Along;
 
 /// A lamp in the plane through a segment. Its coordinate is the scattering angle θ between the segment and the direction to the lamp,
@@ -13,8 +14,8 @@ pub(super) struct LampView {
     nearest: f64,
     /// Distance of the lamp from the line, at least its radius, m.
     offset: f64,
-    /// First and last illuminated angle, rad.
-    pub(super) angles: [f64; 2],
+    /// The illuminated angles.
+    pub(super) range: AngleRange,
 }
 
 impl LampView {
@@ -26,7 +27,8 @@ impl LampView {
         let across = away + direction * -nearest;
         let true_offset = across.length();
         let offset = true_offset.max(lamp.radius_m);
-        let mut angles = [
+        let is_inside = true_offset < lamp.radius_m;
+        let mut ends = [
             offset.atan2(nearest),
             if end.is_finite() {
                 offset.atan2(nearest - end)
@@ -34,7 +36,7 @@ impl LampView {
                 PI
             },
         ];
-        if let Some((axis, cosine)) = lamp.beam.filter(|_| true_offset >= lamp.radius_m) {
+        if let Some((axis, cosine)) = lamp.beam.filter(|_| !is_inside) {
             // The cosine between the axis and the direction from the lamp is `most cos(θ − middle)`.
             let [ahead, aside] = [-axis.dot(direction), -axis.dot(across) / true_offset];
             let most = ahead.hypot(aside);
@@ -42,12 +44,12 @@ impl LampView {
                 return None;
             }
             let (middle, half) = (aside.atan2(ahead), (cosine / most).acos());
-            angles = clip(angles, middle, half)?;
+            ends = clip(ends, middle, half)?;
         }
-        (angles[0] < angles[1]).then_some(Self {
+        (ends[0] < ends[1]).then_some(Self {
             nearest,
             offset,
-            angles,
+            range: AngleRange { ends, is_inside },
         })
     }
 
@@ -108,7 +110,7 @@ mod tests {
                 let profile = lamp.profile(from_lamp);
                 let is_inside = view.as_ref().is_some_and(|view| {
                     assert!((view.distance(angle) - distance).abs() < 1e-6);
-                    (view.angles[0]..=view.angles[1]).contains(&angle)
+                    (view.range.ends[0]..=view.range.ends[1]).contains(&angle)
                 });
                 if profile > 1e-6 {
                     assert!(is_inside, "{lamp:?} {along:?} {distance}");

@@ -51,7 +51,7 @@ impl<const N: usize> Walk<'_, N> {
         unit: f64,
     ) -> Option<[f64; N]> {
         let Along { origin, direction } = along;
-        let drawn = self.scene.phase.draw_angle(view.angles, unit)?;
+        let drawn = self.scene.phase.draw_angle(view.range, unit)?;
         let distance = view.distance(drawn.angle);
         if !(0.0..=end).contains(&distance) {
             return None;
