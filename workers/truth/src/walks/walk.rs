@@ -43,6 +43,9 @@ struct Walk<'s, const N: usize> {
     weight: [f64; N],
     /// Density of each channel over the mean.
     density: [f64; N],
+    /// Share of the aimed draws in the weight. Directions toward a lamp are frequent because they are bright: their small weight does not
+    /// make a path less important.
+    aim: f64,
     order: usize,
     orders: [[f64; N]; ORDERS],
     dice: PathDice,
@@ -89,6 +92,7 @@ impl<'s, const N: usize> Walk<'s, N> {
             leading,
             weight: [1.0; N],
             density: [1.0; N],
+            aim: 1.0,
             order: 0,
             orders: [[0.0; N]; ORDERS],
             dice,
@@ -354,15 +358,17 @@ impl<'s, const N: usize> Walk<'s, N> {
         let aimed = (densities.sum::<f64>() + toward_sun) / self.sources() as f64;
         let factor = wanted / (0.5 * wanted + 0.5 * aimed);
         self.weight.iter_mut().for_each(|weight| *weight *= factor);
+        self.aim *= factor;
     }
 
     /// Roulette.
     fn survives(&mut self) -> bool {
-        let most = self.weight.iter().copied().fold(0.0, f64::max);
+        let most = self.weight.iter().copied().fold(0.0, f64::max) / self.aim;
+        // Also a weight that is not a number ends the path.
         if most >= LIGHT {
             return true;
         }
-        if self.dice.next() * LIGHT >= most {
+        if !(self.dice.next() * LIGHT < most) {
             return false;
         }
         self.weight.iter_mut().for_each(|weight| *weight *= LIGHT / most);
