@@ -18,7 +18,11 @@ pub const ORDERS: usize = 3;
 pub const MOST_SEGMENTS: usize = 2000;
 /// Directions are drawn toward sources up to this order of scattering. A draw that could have been aimed weighs up to twice as much, and
 /// many of them in a row would give a few paths all the light.
-const MOST_AIMED: usize = 3;
+const MOST_AIMED: usize = 8;
+/// Share of the directions that are drawn toward sources if the place is in the beams of all lamps.
+const AIMED: f64 = 0.5;
+/// The share toward a lamp outside its beam, as a part of that inside.
+const OUTSIDE: f64 = 0.2;
 /// Paths of smaller weight undergo Russian roulette.
 const LIGHT: f64 = 0.1;
 
@@ -304,15 +308,35 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    /// Half of the directions are drawn around the direction to a lamp or the sun, chosen uniformly: returns the latter. Without it few
-    /// paths hit the forward peak of the phase function toward a source, and the estimate is usually too low.
+    /// Some directions are drawn around the direction to a lamp or the sun: returns the latter. Without it few paths hit the forward peak
+    /// of the phase function toward a source, and the estimate is usually too low.
     fn source_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
-        if !self.aims() || self.dice.next() >= 0.5 {
+        if !self.aims() {
             return None;
         }
-        let sources = self.sources();
-        let chosen = ((self.dice.next() * sources as f64) as usize).min(sources - 1);
-        match self.scene.lamps.get(chosen) {
+        let mut unit = self.dice.next();
+        for source in 0..self.sources() {
+            let share = self.aim_share(source, place);
+            if unit < share {
+                return self.toward_source(source, place);
+            }
+            unit -= share;
+        }
+        None
+    }
+
+    /// The share of the directions from a place that are drawn around a source.
+    fn aim_share(&self, source: usize, place: DVec3) -> f64 {
+        let most = AIMED / self.sources() as f64;
+        match self.scene.lamps.get(source) {
+            Some(lamp) if lamp.profile((place + -lamp.place).normalized()) <= 0.0 => OUTSIDE * most,
+            _ => most,
+        }
+    }
+
+    /// The direction to a source; `None` at its center.
+    fn toward_source(&self, source: usize, place: DVec3) -> Option<DVec3> {
+        match self.scene.lamps.get(source) {
             Some(lamp) => {
                 let away = lamp.place + -place;
                 (away.length() > 0.0).then(|| away.normalized())
@@ -345,20 +369,18 @@ impl<'s, const N: usize> Walk<'s, N> {
         if !self.aims() {
             return;
         }
-        let density = |toward| self.scene.phase.density(versine(toward, direction));
-        let densities = self.scene.lamps.iter().map(|lamp| {
-            let away = lamp.place + -place;
-            if away.length() > 0.0 {
-                self.scene.phase.density(versine(away.normalized(), direction))
-            } else {
-                wanted
+        let (mut density, mut rest) = (0.0, 1.0);
+        for source in 0..self.sources() {
+            let share = self.aim_share(source, place);
+            if let Some(toward) = self.toward_source(source, place) {
+                density += share * self.scene.phase.density(versine(toward, direction));
+                rest -= share;
             }
-        });
-        let toward_sun = self.sun_direction().map_or(0.0, density);
-        let aimed = (densities.sum::<f64>() + toward_sun) / self.sources() as f64;
-        let factor = wanted / (0.5 * wanted + 0.5 * aimed);
+        }
+        let factor = wanted / (rest * wanted + density);
         self.weight.iter_mut().for_each(|weight| *weight *= factor);
-        self.aim *= factor;
+        // Of the light beyond the next event a part comes from the same lamp.
+        self.aim = self.aim.sqrt() * factor;
     }
 
     /// Roulette.
