@@ -11,6 +11,7 @@ use crate::dice::{Address, PathDice};
 use crate::phase::{tilt, versine};
 use crate::scene::{Along, End, SegmentEnd, TracedScene};
 use crate::sea::fresnel;
+use crate::water::WaterCoefficients;
 
 /// Light is summed by scattering order: 0, 1, more.
 pub const ORDERS: usize = 3;
@@ -35,8 +36,8 @@ pub struct PathTally<const N: usize> {
     pub is_cut: bool,
 }
 
-/// A path in progress. With one channel it is split at its first segment, whose end then contributes without noise.
-/// With several, distances are sampled from a leading channel, and weights use the mean density of all (balance
+/// A path in progress. It is split at its first segment, whose end then contributes without noise.
+/// With several channels, distances are sampled from a leading channel, and weights use the mean density of all (balance
 /// heuristic, Veach 1995).
 struct Walk<'s, const N: usize> {
     scene: &'s TracedScene<'s>,
@@ -61,6 +62,29 @@ enum WalkEvent {
     Water(f64),
     /// The geometric end.
     End,
+}
+
+/// Probabilities of the branches of the first segment of a channel: both 0 without light.
+#[derive(Debug, Clone, Copy)]
+struct Branch {
+    end: f64,
+    water: f64,
+}
+
+impl Branch {
+    /// In proportion to the light that passes and that does not, without branches that send no light on.
+    fn new(passes: f64, sent_back: f64, albedo: f64) -> Self {
+        let end = if sent_back > 0.0 { passes } else { 0.0 };
+        let water = if albedo > 0.0 { 1.0 - passes } else { 0.0 };
+        let whole = end + water;
+        if whole <= 0.0 {
+            return Self { end: 0.0, water: 0.0 };
+        }
+        Self {
+            end: end / whole,
+            water: water / whole,
+        }
+    }
 }
 
 impl TracedScene<'_> {
@@ -117,7 +141,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         for segment in 0..MOST_SEGMENTS {
             let end = self.scene.end(along, start);
             self.lamps_along(along, &end);
-            let event = if segment == 0 && N == 1 {
+            let event = if segment == 0 {
                 self.split(along, &end)
             } else {
                 self.step(along, &end)
@@ -140,47 +164,58 @@ impl<'s, const N: usize> Walk<'s, N> {
 
     /// The first segment: the end's emission without noise, then one branch.
     fn split(&mut self, along: Along, end: &End) -> Option<WalkEvent> {
-        let passes = self.transmittance(along, end.distance)[0];
-        self.add_end(along, end, [passes; N]);
-        let sent_back = self.sent_back(end)[0];
-        let water = self.scene.water[self.channels[0]];
+        let passes = self.transmittance(along, end.distance);
+        self.add_end(along, end, passes);
+        let sent_back = self.sent_back(end);
         if !self.scene.turbidity.is_even() {
             let free = self.free_path(along, end.distance);
-            let event = if free < end.distance {
-                WalkEvent::Water(free)
-            } else {
-                WalkEvent::End
-            };
-            self.weight[0] *= match event {
-                WalkEvent::Water(_) => water.albedo(),
-                WalkEvent::End => sent_back,
-            };
-            return (self.weight[0] > 0.0).then_some(event);
+            if free < end.distance {
+                self.pass(along, free, |_, water| [water.scattering, water.attenuation()]);
+                return self.continues(WalkEvent::Water(free));
+            }
+            self.pass(along, end.distance, |i, _| [sent_back[i], 1.0]);
+            return self.continues(WalkEvent::End);
         }
-        let whole = passes * sent_back + (1.0 - passes) * water.albedo();
-        if whole <= 0.0 {
-            return None;
-        }
-        self.weight[0] *= whole;
-        if self.dice.next() * whole < passes * sent_back {
-            return Some(WalkEvent::End);
+        let branches: [Branch; N] = std::array::from_fn(|i| {
+            let water = self.scene.water[self.channels[i]];
+            Branch::new(passes[i], sent_back[i], water.albedo())
+        });
+        let leading = branches[self.leading];
+        if self.dice.next() < leading.end {
+            self.weigh(|i, _| [sent_back[i] * passes[i], branches[i].end]);
+            return self.continues(WalkEvent::End);
         }
         let unit = self.dice.next();
-        let free = -(-unit * (1.0 - passes)).ln_1p() / water.attenuation();
-        Some(WalkEvent::Water(free.min(end.distance)))
+        let attenuation = self.scene.water[self.channels[self.leading]].attenuation();
+        if leading.water <= 0.0 || attenuation <= 0.0 {
+            return None;
+        }
+        let free = -(-unit * (1.0 - passes[self.leading])).ln_1p() / attenuation;
+        let free = free.min(end.distance);
+        self.weigh(|i, water| {
+            let density = branches[i].water * water.attenuation() / (1.0 - passes[i]).max(f64::MIN_POSITIVE);
+            let passes = (-water.attenuation() * free).exp();
+            [water.scattering * passes, density * passes]
+        });
+        self.continues(WalkEvent::Water(free))
+    }
+
+    /// An event, unless no light is left.
+    fn continues(&self, event: WalkEvent) -> Option<WalkEvent> {
+        self.weight.iter().any(|&weight| weight > 0.0).then_some(event)
     }
 
     /// A later segment.
     fn step(&mut self, along: Along, end: &End) -> Option<WalkEvent> {
         let free = self.free_path(along, end.distance);
         if free < end.distance {
-            self.pass(along, free, |water| [water.scattering, water.attenuation()]);
+            self.pass(along, free, |_, water| [water.scattering, water.attenuation()]);
             return Some(WalkEvent::Water(free));
         }
         if matches!(end.met, SegmentEnd::Nothing) {
             return None;
         }
-        self.pass(along, end.distance, |_| [1.0; 2]);
+        self.pass(along, end.distance, |_, _| [1.0; 2]);
         self.add_end(along, end, [1.0; N]);
         let sent_back = self.sent_back(end);
         self.weight
@@ -190,18 +225,26 @@ impl<'s, const N: usize> Walk<'s, N> {
         Some(WalkEvent::End)
     }
 
-    /// Weights an event at a distance; `source` returns the factors of light and of density besides the transmittance.
-    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::WaterCoefficients) -> [f64; 2]) {
+    /// Weights an event at a distance; `source` returns the factors of light and of density besides the transmittance, which both have.
+    fn pass(
+        &mut self,
+        along: Along,
+        distance: f64,
+        source: impl Fn(usize, &WaterCoefficients) -> [f64; 2],
+    ) {
         if N == 1 {
-            let [light, density] = source(&self.scene.water[self.channels[0]]);
-            self.weight[0] *= if density > 0.0 { light / density } else { 0.0 };
-            return;
+            return self.weigh(source);
         }
         let passes = self.transmittance(along, distance);
-        for (i, passes) in passes.into_iter().enumerate() {
-            let [light, density] = source(&self.scene.water[self.channels[i]]);
-            self.weight[i] *= light * passes;
-            self.density[i] *= density * passes;
+        self.weigh(|i, water| source(i, water).map(|factor| factor * passes[i]));
+    }
+
+    /// Weights an event by the light and the density of each channel.
+    fn weigh(&mut self, source: impl Fn(usize, &WaterCoefficients) -> [f64; 2]) {
+        for (i, &channel) in self.channels.iter().enumerate() {
+            let [light, density] = source(i, &self.scene.water[channel]);
+            self.weight[i] *= light;
+            self.density[i] *= density;
         }
         let mean = self.density.iter().sum::<f64>() / N as f64;
         let scale = if mean > 0.0 { 1.0 / mean } else { 0.0 };
