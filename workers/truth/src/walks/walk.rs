@@ -20,11 +20,13 @@ pub const MOST_SEGMENTS: usize = 2000;
 /// Directions are drawn toward sources up to this order of scattering. A draw that could have been aimed weighs up to twice as much, and
 /// many of them in a row would give a few paths all the light.
 const MOST_AIMED: usize = 8;
+/// The phase function of wide scattering, 1/sr, to which the one toward sources is compared.
+const WIDE: f64 = 0.01;
 /// Share of the directions that are drawn toward sources if the place is in the beams of all lamps.
 const AIMED: f64 = 0.5;
 /// The share toward a lamp outside its beam, as a part of that inside.
 const OUTSIDE: f64 = 0.2;
-/// Paths of smaller weight undergo Russian roulette.
+/// Paths of smaller weight times importance undergo Russian roulette.
 const LIGHT: f64 = 0.1;
 
 /// Estimate of one path for the radiance of N channels.
@@ -48,9 +50,9 @@ struct Walk<'s, const N: usize> {
     weight: [f64; N],
     /// Density of each channel over the mean.
     density: [f64; N],
-    /// Share of the aimed draws in the weight. Directions toward a lamp are frequent because they are bright: their small weight does not
-    /// make a path less important.
-    aim: f64,
+    /// Estimated light of the direction over that of one away from all sources. Directions toward a source are frequent because they are
+    /// bright, so a small weight does not make them unimportant.
+    importance: f64,
     order: usize,
     orders: [[f64; N]; ORDERS],
     dice: PathDice,
@@ -120,7 +122,7 @@ impl<'s, const N: usize> Walk<'s, N> {
             leading,
             weight: [1.0; N],
             density: [1.0; N],
-            aim: 1.0,
+            importance: 1.0,
             order: 0,
             orders: [[0.0; N]; ORDERS],
             dice,
@@ -410,6 +412,7 @@ impl<'s, const N: usize> Walk<'s, N> {
     /// Weights a direction drawn from both densities; `wanted` is the one of the light.
     fn weigh_aim(&mut self, place: DVec3, direction: DVec3, wanted: f64) {
         if !self.aims() {
+            self.importance = 1.0;
             return;
         }
         let (mut density, mut rest) = (0.0, 1.0);
@@ -422,13 +425,12 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
         let factor = wanted / (rest * wanted + density);
         self.weight.iter_mut().for_each(|weight| *weight *= factor);
-        // Of the light beyond the next event a part comes from the same lamp.
-        self.aim = self.aim.sqrt() * factor;
+        self.importance = 1.0 + density / WIDE;
     }
 
-    /// Roulette.
+    /// Roulette by weight and importance.
     fn survives(&mut self) -> bool {
-        let most = self.weight.iter().copied().fold(0.0, f64::max) / self.aim;
+        let most = self.weight.iter().copied().fold(0.0, f64::max) * self.importance;
         // Also a weight that is not a number ends the path.
         if most >= LIGHT {
             return true;
