@@ -149,7 +149,8 @@ fn median_error(estimate: &Estimate, channel: usize, part: LightPart) -> f64 {
 
 /// Seconds of this thread on a CPU.
 fn cpu_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux with scheduler statistics");
+    let text =
+        std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux with scheduler statistics");
     let nanoseconds = text.split(' ').next().expect("the time on a CPU");
     nanoseconds.parse::<f64>().expect("a number") / 1e9
 }

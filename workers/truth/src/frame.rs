@@ -147,7 +147,7 @@ pub struct PathBatch {
     pub frame: u64,
     /// Random numbers.
     pub stream: Stream,
-    /// Whether one path serves all channels.
+    /// Whether one path serves all channels even if their attenuations differ by more than a factor of 3.
     pub is_shared: bool,
 }
 
@@ -160,6 +160,7 @@ impl PathBatch {
         pixels: Range<usize>,
         samples: &Range<u64>,
     ) -> Vec<PixelSums> {
+        let is_shared = self.is_shared || scene.has_similar_channels();
         let traced = pixels.map(|number| {
             let ray = self
                 .camera
@@ -174,14 +175,7 @@ impl PathBatch {
                 sample: 0,
                 channel: 0,
             };
-            PixelSums::trace(
-                scene,
-                along,
-                self.stream,
-                address,
-                samples.clone(),
-                self.is_shared,
-            )
+            PixelSums::trace(scene, along, self.stream, address, samples.clone(), is_shared)
         });
         traced.collect()
     }

@@ -46,10 +46,7 @@ impl AngleTable {
         for k in 0..BINS {
             integrals[k + 1] = integrals[k] + densities[k] * (angles[k + 1] - angles[k]);
         }
-        Self {
-            densities,
-            integrals,
-        }
+        Self { densities, integrals }
     }
 }
 

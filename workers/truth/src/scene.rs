@@ -53,7 +53,19 @@ pub(crate) struct End {
     pub(crate) met: SegmentEnd,
 }
 
+/// Channels with attenuations within this factor share their paths.
+const SIMILAR: f64 = 3.0;
+
 impl TracedScene<'_> {
+    /// Whether a path for all channels has about the errors of a path for each.
+    pub(crate) fn has_similar_channels(&self) -> bool {
+        let attenuations = self.water.map(|water| water.attenuation());
+        let most = attenuations.into_iter().fold(0.0, f64::max);
+        attenuations
+            .into_iter()
+            .all(|attenuation| most <= SIMILAR * attenuation)
+    }
+
     /// Finds the end of a segment.
     pub(crate) fn end(&self, along: Along, from: f64) -> End {
         let Along { origin, direction } = along;

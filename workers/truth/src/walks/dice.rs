@@ -28,12 +28,17 @@ pub struct Address {
     pub channel: u64,
 }
 
+/// Numbers computed at once: a block is faster than as many single numbers. Divides [`MOST_NUMBERS`].
+const BLOCK: usize = 16;
+
 /// The numbers of one path, in the order of its draws.
 pub(crate) struct PathDice {
     stream: Stream,
     frame: u64,
     first: u64,
     drawn: u64,
+    /// The block of the last number.
+    block: [f64; BLOCK],
 }
 
 impl PathDice {
@@ -45,14 +50,19 @@ impl PathDice {
             frame: address.frame,
             first: path * MOST_NUMBERS,
             drawn: 0,
+            block: [0.0; BLOCK],
         }
     }
 
     /// The next number in [0, 1).
     pub(crate) fn next(&mut self) -> f64 {
-        let element = self.first + self.drawn % MOST_NUMBERS;
+        let position = self.drawn as usize % BLOCK;
+        if position == 0 {
+            let element = self.first + self.drawn % MOST_NUMBERS;
+            self.stream.fill_units(self.frame, element, 1, &mut self.block);
+        }
         self.drawn += 1;
-        self.stream.unit(self.frame, element)
+        self.block[position]
     }
 
     pub(crate) fn pair(&mut self) -> [f64; 2] {
@@ -62,5 +72,25 @@ impl PathDice {
     /// Whether the path has used up its addresses.
     pub(crate) fn is_exhausted(&self) -> bool {
         self.drawn > MOST_NUMBERS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_a_path_are_those_of_their_addresses() {
+        let address = Address {
+            frame: 3,
+            pixel: 5,
+            sample: 7,
+            channel: 2,
+        };
+        let mut dice = PathDice::new(stream(1), address);
+        for number in 0..100 {
+            let element = ((5 * MOST_PATHS + 7) * 4 + 2) * MOST_NUMBERS + number;
+            assert_eq!(dice.next(), stream(1).unit(3, element));
+        }
     }
 }

@@ -228,12 +228,7 @@ impl<'s, const N: usize> Walk<'s, N> {
     }
 
     /// Weights an event at a distance; `source` returns the factors of light and of density besides the transmittance, which both have.
-    fn pass(
-        &mut self,
-        along: Along,
-        distance: f64,
-        source: impl Fn(usize, &WaterCoefficients) -> [f64; 2],
-    ) {
+    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(usize, &WaterCoefficients) -> [f64; 2]) {
         if N == 1 {
             return self.weigh(source);
         }

@@ -68,7 +68,11 @@ impl LampView {
 /// The part of an interval within 0..=π that is within `half`, at most π/2, of an angle `middle` in −π..=π.
 fn clip([low, high]: [f64; 2], middle: f64, half: f64) -> Option<[f64; 2]> {
     // An interval around −π continues below π.
-    let middle = if middle + half < 0.0 { middle + 2.0 * PI } else { middle };
+    let middle = if middle + half < 0.0 {
+        middle + 2.0 * PI
+    } else {
+        middle
+    };
     let clipped = [low.max(middle - half), high.min(middle + half)];
     (clipped[0] < clipped[1]).then_some(clipped)
 }
