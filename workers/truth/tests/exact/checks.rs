@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::support::{Mean, Solids, TestSolid, along, radiance, scene, water};
+use crate::support::{Mean, Solids, TestSolid, along, lamp, radiance, scene, water};
 use imaging::vector::{DVec3, vec3};
 use optics::lamp::FournierForand;
 use truth::{Address, Along, Lambertian, Phase, Sea, SeaSun, SphereLamp, TurbidityField, WaterLayers};
@@ -11,16 +11,6 @@ const UP: DVec3 = vec3(0.0, -1.0, 0.0);
 
 fn average() -> Phase {
     Phase::fournier_forand(FournierForand::of_backscatter(0.0183))
-}
-
-fn lamp(place: [f64; 3], intensity: f64) -> SphereLamp {
-    SphereLamp {
-        place: place.into(),
-        intensity: [intensity; 3],
-        beam: None,
-        radius_m: 0.02,
-        disc_m: 0.0,
-    }
 }
 
 #[test]
@@ -320,46 +310,6 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
     let [there, back] = [fluence(places[0], places[1]), fluence(places[1], places[0])];
     there.agrees(back.mean, back.error, "reciprocity");
     assert!(there.error < 0.05 * there.mean, "{there:?}");
-}
-
-#[test]
-fn a_path_of_all_channels_has_the_means_of_three() {
-    let solids = Solids(vec![TestSolid::Wall(2.0)]);
-    let mut scene = scene(
-        &solids,
-        vec![Lambertian::gray(0.6)],
-        water(0.2, 0.4),
-        Phase::henyey_greenstein(0.8),
-    );
-    scene.water = [water(0.5, 0.35), water(0.2, 0.4), water(0.25, 0.45)];
-    scene.lamps = vec![lamp([0.4, 0.0, 0.0], 1.0)];
-    let ray = along([0.1, 0.0, 1.0]);
-    let paths = 30_000u64;
-    for channel in 0..3u64 {
-        let measure = |shared: bool| {
-            let mut batches = [0.0; 30];
-            for sample in 0..paths {
-                let address = Address {
-                    frame: 0,
-                    pixel: 0,
-                    sample,
-                    channel,
-                };
-                let stream = truth::stream(4);
-                let light: f64 = if shared {
-                    let tally = scene.trace_shared(ray, stream, address);
-                    tally.orders.iter().map(|order| order[channel as usize]).sum()
-                } else {
-                    scene.trace(ray, stream, address).orders.iter().flatten().sum()
-                };
-                batches[(sample % 30) as usize] += light * 30.0 / paths as f64;
-            }
-            Mean::from_batches(&batches)
-        };
-        let (shared, single) = (measure(true), measure(false));
-        shared.agrees(single.mean, single.error, &format!("channel {channel}"));
-        assert!(single.error < 0.05 * single.mean, "{single:?}");
-    }
 }
 
 #[test]

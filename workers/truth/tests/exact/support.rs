@@ -3,7 +3,7 @@
 use imaging::random::Stream;
 use imaging::rays::{Hit, Rays};
 use imaging::vector::{DVec3, vec3};
-use truth::{Address, Along, ORDERS, Phase, SurfaceMaterials, TracedScene, WaterCoefficients};
+use truth::{Address, Along, ORDERS, Phase, SphereLamp, SurfaceMaterials, TracedScene, WaterCoefficients};
 
 /// A surface; its index among the solids selects its material.
 pub(crate) enum TestSolid {
@@ -81,6 +81,17 @@ pub(crate) fn scene<'a>(
         water: [water; 3],
         phase,
         turbidity: truth::TurbidityField::Even,
+    }
+}
+
+/// An isotropic lamp of 2 cm.
+pub(crate) fn lamp(place: [f64; 3], intensity: f64) -> SphereLamp {
+    SphereLamp {
+        place: place.into(),
+        intensity: [intensity; 3],
+        beam: None,
+        radius_m: 0.02,
+        disc_m: 0.0,
     }
 }
 
