@@ -343,11 +343,12 @@ impl<'s, const N: usize> Walk<'s, N> {
     /// Roulette by weight and importance.
     fn survives(&mut self) -> bool {
         let most = self.weight.iter().copied().fold(0.0, f64::max) * self.importance;
-        // Also a weight that is not a number ends the path.
         if most >= LIGHT {
             return true;
         }
-        if !(self.dice.next() * LIGHT < most) {
+        // A weight that is not a number ends the path, too.
+        let lives = self.dice.next() * LIGHT < most;
+        if !lives {
             return false;
         }
         self.weight.iter_mut().for_each(|weight| *weight *= LIGHT / most);

@@ -5,19 +5,19 @@ use imaging::vector::DVec3;
 use super::Walk;
 use crate::phase::versine;
 
-/// Directions are drawn toward sources up to this order of scattering. A draw that could have been aimed weighs up to twice as much, and
-/// many of them in a row would give a few paths all the light.
+/// Scattering order up to which directions are aimed. A draw that could have been aimed weighs up to twice as much: a long row of them would
+/// give a few paths all the light.
 const MOST_AIMED: usize = 8;
-/// The phase function of wide scattering, 1/sr, to which the one toward sources is compared.
+/// Phase function of wide scattering, 1/sr: the unit of the light expected toward a source.
 const WIDE: f64 = 0.01;
-/// Share of the directions that are drawn toward sources if the place is in the beams of all lamps.
+/// Share of aimed directions within the beams of all lamps.
 const AIMED: f64 = 0.5;
-/// The share toward a lamp outside its beam, as a part of that inside.
+/// Factor on the share of a lamp outside its beam.
 const OUTSIDE: f64 = 0.2;
 
 impl<const N: usize> Walk<'_, N> {
-    /// Some directions are drawn around the direction to a lamp or the sun: returns the latter. Without it few paths hit the forward peak
-    /// of the phase function toward a source, and the estimate is usually too low.
+    /// Chooses a lamp or the sun at random and returns its direction; `None` for an unaimed draw. Without aimed draws few paths hit the
+    /// forward peak of the phase function toward a source, and the estimate is usually too low.
     pub(super) fn source_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
         if !self.aims() {
             return None;
@@ -33,7 +33,7 @@ impl<const N: usize> Walk<'_, N> {
         None
     }
 
-    /// The share of the directions from a place that are drawn around a source.
+    /// Share of a source among the directions from a place.
     fn aim_share(&self, source: usize, place: DVec3) -> f64 {
         let most = AIMED / self.sources() as f64;
         match self.scene.lamps.get(source) {
