@@ -115,12 +115,16 @@ def test_an_unknown_encoding_of_depths_is_refused(
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 0.0, -1.0])
 def test_depths_without_a_return_render_as_water(
-    camera: Camera, subscriber: Subscriber, shots: Shots, value: float
+    camera: Camera, subscriber: Subscriber, diagnostics: Diagnostics, shots: Shots, value: float
 ) -> None:
     stamp = time.time_ns()
     camera.publish_depth(np.full_like(shots[0].z_depth, value), stamp)
     camera.publish_image(shots[0].rgb, stamp)
     wait_until(lambda: stamp in [arrival.stamp_ns for arrival in subscriber.list_arrivals()], "the picture arrives")
+    diagnostics.forget()
+    _, _, values = diagnostics.wait_for("")
+    assert "/camera/depth: no pixel has a distance above 0" in values["warnings"]
+    expect_recovery(camera, subscriber, shots)
 
 
 def test_big_endian_millimeters_equal_their_native_order(camera: Camera, subscriber: Subscriber, shots: Shots) -> None:

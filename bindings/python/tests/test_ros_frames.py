@@ -71,6 +71,20 @@ def test_a_picture_without_depth_has_no_distances() -> None:
     assert any("water" in warning for warning in rendered.frame.warnings)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 0, -1])
+def test_a_depth_without_any_distance_is_a_warning(value: float) -> None:
+    renderer = make_renderer(use_camera_info=False)
+    empty = renderer.render(Pair(7, PAIR.image, make_image(np.full_like(METERS, value), "32FC1"), 0))
+    assert "/depth: no pixel has a distance above 0; all are rendered as open water" in empty.warnings
+    assert empty.frame.range_m is not None
+    assert np.isnan(empty.frame.range_m).all()
+    # One pixel is enough, and it need not be among those that are looked at first.
+    one = np.full_like(METERS, value)
+    one[5, 3] = 2
+    warnings = renderer.render(Pair(7, PAIR.image, make_image(one, "32FC1"), 0)).warnings
+    assert not any("no pixel" in warning for warning in warnings)
+
+
 def test_missing_and_contradictory_messages_are_errors() -> None:
     renderer = make_renderer()
     with pytest.raises(NoCamera, match="no camera_info was received"):

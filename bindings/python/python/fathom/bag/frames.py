@@ -17,7 +17,7 @@ from fathom.bag.report import Report, format_stamp
 from fathom.bag.topics import Topics
 from fathom.messages.cameras import has_distortion, read_camera
 from fathom.messages.errors import MessageError
-from fathom.messages.images import Picture, read_depth, read_picture, read_stamp
+from fathom.messages.images import Picture, has_distance, read_depth, read_picture, read_stamp
 from fathom.messages.pairing import Pair, Pairing
 
 
@@ -154,8 +154,7 @@ class Frames:
         if depth.shape != shape:
             sizes = f"the depth is {depth.shape[1]}×{depth.shape[0]} but the image {shape[1]}×{shape[0]}"
             raise MessageError(topic, f"{sizes}; register it to the image and resample it to its size", "size")
-        # An integer is always finite.
-        if not (np.isfinite(depth) & (depth > 0)).any():
+        if not has_distance(depth):
             reason = f"{topic}: no pixel has a distance above 0; all are rendered as open water"
             self._report.warn(pair.stamp_ns, f"{topic}: no pixel with a distance", reason)
         return depth

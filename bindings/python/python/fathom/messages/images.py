@@ -68,6 +68,12 @@ def read_depth(message: Any, topic: str) -> NDArray[Any]:
     return depth
 
 
+def has_distance(depth: NDArray[Any]) -> bool:
+    """Whether any pixel has a distance: a finite number above 0."""
+    # A few pixels decide about most depths.
+    return any(bool((np.isfinite(pixels) & (pixels > 0)).any()) for pixels in (depth[::8, ::8], depth))
+
+
 def is_compressed(message: Any) -> bool:
     """Whether the message is a `CompressedImage`."""
     return hasattr(message, "format")

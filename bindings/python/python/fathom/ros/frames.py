@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fathom.errors import FathomError
 from fathom.messages.cameras import read_camera
-from fathom.messages.images import read_depth, read_picture
+from fathom.messages.images import has_distance, read_depth, read_picture
 from fathom.messages.pairing import Pair
 from fathom.ros.diagnostics import Topics
 from fathom.ros.settings import Settings
@@ -34,6 +34,7 @@ class Rendered:
     frame: StreamFrame
     header: Any
     camera_info: Any | None
+    warnings: tuple[str, ...]
     times_ms: dict[str, float]
 
 
@@ -63,6 +64,7 @@ class FrameRenderer:
         begun, worked = time.perf_counter(), time.thread_time()
         picture = read_picture(pair.image, self._topics.image)
         depth = None if pair.depth is None else read_depth(pair.depth, self._topics.depth)
+        warnings = () if depth is None or has_distance(depth) else (self._describe_empty_depth(),)
         info = self._find_camera_info(settings)
         height, width = picture.rgb.shape[:2]
         camera = None
@@ -82,7 +84,11 @@ class FrameRenderer:
             "chain": rendered - posed,
             "chain CPU": render_cpu,
         }
-        return Rendered(frame, pair.image.header, info, {part: 1e3 * spent for part, spent in times_ms.items()})
+        milliseconds = {part: 1e3 * spent for part, spent in times_ms.items()}
+        return Rendered(frame, pair.image.header, info, (*frame.warnings, *warnings), milliseconds)
+
+    def _describe_empty_depth(self) -> str:
+        return f"{self._topics.depth}: no pixel has a distance above 0; all are rendered as open water"
 
     def _find_camera_info(self, settings: Settings) -> Any | None:
         if not settings.use_camera_info:

@@ -18,14 +18,14 @@ from fathom.messages.pairing import Pair
 from fathom.ros.counts import BUSY, FAILED, NO_CAMERA, NO_POSE, Counts
 from fathom.ros.description import list_enhancements, list_ignored
 from fathom.ros.diagnostics import judge, list_values
-from fathom.ros.frames import FrameRenderer, NoCamera
+from fathom.ros.frames import FrameRenderer, NoCamera, Rendered
 from fathom.ros.parameters import Parameters
 from fathom.ros.publications import Publications
 from fathom.ros.settings import Settings
 from fathom.ros.subscriptions import Subscriptions, name_topics
 from fathom.ros.transforms import NoPose, Transforms
 from fathom.ros.worker import NewestWorker
-from fathom.stream import Stream, StreamFrame
+from fathom.stream import Stream
 
 _REPORT_S = 1.0
 """Time between diagnostics."""
@@ -62,7 +62,7 @@ class UnderwaterNode:
         self._log = ros.get_logger()
         self._logging = threading.Lock()
         self._logged: dict[str, float] = {}
-        self._last: StreamFrame | None = None
+        self._last: Rendered | None = None
         self._counts = Counts()
         self._reported = time.monotonic()
         transforms = Transforms()
@@ -119,7 +119,7 @@ class UnderwaterNode:
             if rclpy.ok():
                 self._drop(FAILED, traceback.format_exc())
         else:
-            self._last = rendered.frame
+            self._last = rendered
             age_ms = (self._ros.get_clock().now().nanoseconds - pair.stamp_ns) / 1e6
             self._counts.render(rendered.times_ms | published | {"age of the picture": age_ms})
 
@@ -141,13 +141,14 @@ class UnderwaterNode:
         report = self._counts.report(now - self._reported)
         self._reported = now
         level, message = judge(report, self._topics)
-        frame, info, settings = self._last, self._renderer.camera_info, self._parameters.settings
-        warnings = list(frame.warnings if frame else ())
+        last, info, settings = self._last, self._renderer.camera_info, self._parameters.settings
+        warnings = list(last.warnings if last else ())
         if info is not None and has_distortion(info) and not settings.rectified:
             warnings.append("camera_info has a distortion, which pictures must not have: rectify them")
         more = {"depths without picture": self._subscriptions.unused_depths, "mode": settings.mode}
         if warnings:
             more["warnings"] = "; ".join(warnings)
+        frame = last.frame if last else None
         values = list_values(report, frame.record if frame else None, frame.error_bound if frame else None, more)
         status = DiagnosticStatus(
             level=bytes([level]),
