@@ -1,6 +1,12 @@
-"""Minutes at 10 Hz: frames lost, latency, memory, and CPU time by conversion, transport and chain."""
+"""Minutes at 10 Hz: frames lost, latency, memory, and CPU time by conversion, transport and chain.
+
+The middleware keeps the memory of the largest queue of each topic there ever was, so the memory grows when the node
+is first late, up to full queues. Stops of the process fill them before the measurement, and other work of the machine
+fills the rest in its first fifth; after that the memory must not grow.
+"""
 
 import os
+import signal
 import threading
 import time
 from typing import Any
@@ -14,15 +20,27 @@ from harness import Node, Subscriber, wait_until
 
 HZ = 10
 MINUTES = float(os.environ.get("FATHOM_ROS_MINUTES", "10"))
-WARM_S = 20
+STOPS, STOP_S, BETWEEN_S = 12, 1.5, 1.0
+"""Stops of the process before the measurement; each fills the queues only in part."""
+GROWTH_MB = 5
+"""The goal of a stream: buffers of frames come and go, but none is kept."""
 TOTALS = ("received", "rendered", "without depth", "replaced by a newer one", "failed")
 CONVERSION = ("conversion CPU", "writing CPU")
 
 
 def sample_memory(node: Node, memory_mb: list[float], is_over: threading.Event) -> None:
-    """Append the memory of the node about twice a second: buffers of frames come and go, so one sample is no measure."""
+    """Append the memory of the node about twice a second: buffers come and go, so one sample is no measure."""
     while not is_over.wait(0.47):
         memory_mb.append(node.measure_memory())
+
+
+def fill_queues(node: Node, camera: Camera, shots: list[Any]) -> None:
+    """Stop the process while pictures arrive, so that all queues have been full once."""
+    for _ in range(STOPS):
+        node.process.send_signal(signal.SIGSTOP)
+        play(camera, shots, round(STOP_S * HZ), HZ)
+        node.process.send_signal(signal.SIGCONT)
+        play(camera, shots, round(BETWEEN_S * HZ), HZ)
 
 
 @pytest.mark.long
@@ -32,7 +50,9 @@ def test_minutes_without_loss_and_growth(camera: Camera, start: Start, size: tup
     shots: list[Any] = render_drive(size, 20)
     node, subscriber = start(Node, "live", qos=quality), start(Subscriber, "/fathom/image", quality)
     wait_until(lambda: play(camera, shots, 1, HZ) and subscriber.list_arrivals(), "the first picture arrives")
-    play(camera, shots, WARM_S * HZ, HZ)
+    play(camera, shots, 2 * HZ, HZ)
+    fresh_mb = node.measure_memory()
+    fill_queues(node, camera, shots)
     camera.diagnostics.forget()
     memory_mb: list[float] = []
     is_over = threading.Event()
@@ -47,7 +67,7 @@ def test_minutes_without_loss_and_growth(camera: Camera, start: Start, size: tup
     is_over.set()
     sampling.join()
     part = len(memory_mb) // 5
-    begun_mb, ended_mb = np.median(memory_mb[:part]), np.median(memory_mb[-part:])
+    begun_mb, ended_mb = np.median(memory_mb[part : 2 * part]), np.median(memory_mb[-part:])
     arrivals = {arrival.stamp_ns: arrival for arrival in subscriber.list_arrivals()}
     latencies = [arrivals[stamp].latency_ms for stamp in stamps if stamp in arrivals]
     lost = len(stamps) - len(latencies)
@@ -56,10 +76,12 @@ def test_minutes_without_loss_and_growth(camera: Camera, start: Start, size: tup
     chain = medians["chain CPU"]
     print(
         f"{size[0]}×{size[1]} {quality}, {MINUTES:g} min at {HZ} Hz: {lost} of {len(stamps)} lost, latency "
-        f"median {np.median(latencies):.1f} ms, p99 {np.percentile(latencies, 99):.1f} ms, memory {begun_mb:.1f} to "
-        f"{ended_mb:.1f} MB, CPU {cpu_ms:.1f} ms a frame: conversion {conversion:.1f}, chain {chain:.1f}, transport "
-        f"and the rest {cpu_ms - conversion - chain:.1f}; counts of the node: {counted}"
+        f"median {np.median(latencies):.1f} ms, p99 {np.percentile(latencies, 99):.1f} ms, memory {fresh_mb:.1f} MB "
+        f"after 2 s, {begun_mb:.1f} MB with full queues, {ended_mb:.1f} MB at the end, CPU {cpu_ms:.1f} ms a frame: "
+        f"conversion {conversion:.1f}, chain {chain:.1f}, transport and the rest {cpu_ms - conversion - chain:.1f}; "
+        f"counts of the node: {counted}"
     )
-    # The goals of a machine of its own are none lost and 120 ms; a shared one delays some frames.
-    assert lost <= 0.01 * len(stamps)
-    assert ended_mb - begun_mb < 5
+    assert counted["failed"] == 0
+    # The goals of a machine of its own are none lost and 120 ms; on a shared one newer pictures replace late ones.
+    assert lost <= 0.05 * len(stamps)
+    assert ended_mb - begun_mb < GROWTH_MB
