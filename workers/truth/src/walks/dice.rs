@@ -28,7 +28,7 @@ pub struct Address {
     pub channel: u64,
 }
 
-/// Numbers computed at once, which is faster than one by one. Divides [`MOST_NUMBERS`].
+/// Numbers of a block, which are computed together for speed. Divides [`MOST_NUMBERS`].
 const BLOCK: usize = 16;
 
 /// The numbers of one path, in the order of its draws.

@@ -5,8 +5,8 @@ use imaging::vector::DVec3;
 use super::Walk;
 use crate::phase::versine;
 
-/// Scattering order up to which directions are aimed. A draw that could have been aimed weighs up to twice as much: a long row of them would
-/// give a few paths all the light.
+/// Highest scattering order with aimed directions. A draw that could have been aimed weighs up to twice as much, and after many of
+/// them a few paths would have all the light.
 const MOST_AIMED: usize = 8;
 /// Phase function of wide scattering, 1/sr: the unit of the light expected toward a source.
 const WIDE: f64 = 0.01;
