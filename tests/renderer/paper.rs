@@ -151,7 +151,7 @@ fn assert_codes(rendered: &Rendered, expected: &[u8]) {
     assert!(share <= MOST_DIFFERENT, "{share}");
 }
 
-/// Its own scatter, Eq. 8 and 9, on the vector of that stage.
+/// The scatter of the site, Eq. 8 and 9, on the vector of that stage.
 #[test]
 fn the_site_of_the_paper_renders_the_reference_vector_of_its_scatter() {
     let vector = Vector::read("06-simplified-pole");

@@ -82,6 +82,6 @@ def test_minutes_without_loss_and_growth(camera: Camera, start: Start, size: tup
         f"counts of the node: {counted}"
     )
     assert counted["failed"] == 0
-    # The goals of a machine of its own are none lost and 120 ms; on a shared one newer pictures replace late ones.
-    assert lost <= 0.05 * len(stamps)
+    # The goals of a machine of its own are none lost and 120 ms; a shared one delays some frames.
+    assert lost <= 0.01 * len(stamps)
     assert ended_mb - begun_mb < GROWTH_MB

@@ -238,14 +238,14 @@ impl Screen {
             return f64::INFINITY;
         }
         let depths = [1.0 / most, 1.0 / least.max(0.0)];
-        let sides = [self.camera.cx, self.camera.cy];
+        let centers = [self.camera.cx, self.camera.cy];
         let place = <[f64; 3]>::from(place);
         let (mut apart, mut farthest) = (0.0, 0.0);
         for axis in 0..3 {
-            let ends = match sides.get(axis) {
-                Some(middle) => square
+            let ends = match centers.get(axis) {
+                Some(center) => square
                     .edges(axis)
-                    .map(|edge| (edge - middle) / self.camera.focal_px),
+                    .map(|edge| (edge - center) / self.camera.focal_px),
                 None => [1.0; 2],
             };
             let corners = ends.map(|end| depths.map(|depth| end * depth));

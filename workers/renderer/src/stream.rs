@@ -120,9 +120,11 @@ impl Stream {
 
     /// The frames after the first, up to one that fails.
     fn render_calibration(&mut self, picture: &CalibrationPicture, fidelity: Fidelity) -> Vec<PlannedFrame> {
-        self.slot.keep_effects();
         let described = std::mem::replace(&mut self.fixed.fidelity, fidelity);
         let vary = std::mem::replace(&mut self.options.vary, Vary::Stream);
+        if vary == Vary::Stream {
+            self.slot.keep_effects();
+        }
         let all = (0..FRAMES).map_while(|stamp_ns| self.render_planned(&picture.input(stamp_ns)).ok());
         let frames = all.skip(1).collect();
         self.fixed.fidelity = described;

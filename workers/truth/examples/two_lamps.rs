@@ -4,7 +4,7 @@
 //! cargo run --release -p truth --example two_lamps -- 64
 //! ```
 //!
-//! The argument is the number of paths of each pixel. Prints the CPU time, the error of the median block by order of scattering,
+//! The argument is the number of paths of each pixel, a power of two from 32 on. Prints the CPU time, the error of the median block by order of scattering,
 //! relative to the mean of each channel, and the CPU time that would bring the error of all light to 2 %.
 
 use imaging::geometry::Intrinsics;
@@ -12,8 +12,8 @@ use imaging::rays::{Hit, Rays};
 use imaging::vector::{DVec3, vec3};
 use optics::lamp::FournierForand;
 use truth::{
-    Estimate, Lambertian, LightPart, PathBatch, Phase, PixelBlocks, SphereLamp, SurfaceMaterials,
-    TracedScene, TurbidityField, WaterCoefficients,
+    Estimate, Goal, Lambertian, LightPart, PathBatch, Phase, PixelBlocks, SphereLamp, SurfaceMaterials,
+    TracedScene, TurbidityField, WaterCoefficients, converge,
 };
 
 const SIZE: (usize, usize) = (96, 62);
@@ -88,27 +88,32 @@ fn spot(place: [f64; 3]) -> SphereLamp {
 }
 
 fn main() {
-    let mut arguments = std::env::args().skip(1);
-    let paths: u64 = arguments
-        .next()
-        .map_or(64, |text| text.parse().expect("a number of paths"));
-    let (is_shared, seed) = (arguments.next().is_some_and(|way| way == "shared"), 7);
+    let argument = std::env::args().nth(1);
+    let most_paths = argument.map_or(64, |text| text.parse().expect("a number of paths"));
     let scene = scene();
     let batch = PathBatch {
         camera: Intrinsics::centered(90.0, SIZE.0, SIZE.1),
         width: SIZE.0,
         frame: 0,
-        stream: truth::stream(seed),
-        is_shared,
+        stream: truth::stream(7),
     };
     let begin = cpu_seconds();
-    let estimate = Estimate {
-        size: SIZE,
-        paths,
-        pixels: batch.trace(&scene, 0..SIZE.0 * SIZE.1, &(0..paths)),
+    // No error is 0, so all paths are traced.
+    let goal = Goal {
+        target: 0.0,
+        block: BLOCK,
+        most_paths,
     };
+    let traced = converge(SIZE, &goal, |samples| {
+        Some(batch.trace(&scene, 0..SIZE.0 * SIZE.1, &samples))
+    });
+    let estimate = traced.expect("paths").estimate;
     let seconds = cpu_seconds() - begin;
-    println!("{paths} paths: {seconds:.2} CPU s, {} cut", estimate.cut());
+    println!(
+        "{} paths: {seconds:.2} CPU s, {} cut",
+        estimate.paths,
+        estimate.cut()
+    );
     for channel in 0..3 {
         let whole = estimate.whole(channel, LightPart::All);
         let parts = [

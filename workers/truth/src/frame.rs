@@ -147,8 +147,6 @@ pub struct PathBatch {
     pub frame: u64,
     /// Random numbers.
     pub stream: Stream,
-    /// Whether one path serves all channels even if their attenuations differ by more than a factor of 3.
-    pub is_shared: bool,
 }
 
 impl PathBatch {
@@ -160,7 +158,7 @@ impl PathBatch {
         pixels: Range<usize>,
         samples: &Range<u64>,
     ) -> Vec<PixelSums> {
-        let is_shared = self.is_shared || scene.has_similar_channels();
+        let is_shared = scene.has_similar_channels();
         let traced = pixels.map(|number| {
             let ray = self
                 .camera

@@ -164,12 +164,12 @@ impl Phase {
             &self.outside
         };
         let [low, high] = range.ends;
-        let from = self.integral(table, low);
-        let whole = self.integral(table, high) - from;
+        let below = self.integral(table, low);
+        let whole = self.integral(table, high) - below;
         if whole <= 0.0 {
             return None;
         }
-        let sought = from + unit * whole;
+        let sought = below + unit * whole;
         let k = bin(&table.integrals, sought);
         let angle = self.angles[k] + (sought - table.integrals[k]) / table.densities[k];
         (table.densities[k] > 0.0).then(|| DrawnAngle {

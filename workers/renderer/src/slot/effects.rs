@@ -17,8 +17,8 @@ use crate::stage::{daylight, lamps};
 use crate::stopwatch::Stopwatch;
 
 impl Slot {
-    /// From now on frames may have the effects of the frames before from here on, which must be of one job and fidelity. Their plans then
-    /// depend on their order.
+    /// From now on a frame may have the effects of an earlier one, beginning with the next. All must be of one job and fidelity, and
+    /// their plans depend on their order.
     pub(crate) fn keep_effects(&mut self) {
         self.kept_effects = Some(KeptEffects::default());
     }

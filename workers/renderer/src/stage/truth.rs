@@ -25,8 +25,6 @@ pub struct Tracing {
     pub law: PhaseModel,
     /// Seed of the paths.
     pub seed: u64,
-    /// Whether one path serves all channels.
-    pub is_shared: bool,
     /// Name of the limit reported when tracing stops short of the goal.
     pub limit: &'static str,
 }
@@ -67,7 +65,6 @@ pub(crate) fn run(
         },
         law: law(context),
         seed: frame.seed,
-        is_shared: false,
         limit: most.limit,
     };
     let pixels = pixels(context) as usize;
@@ -110,7 +107,6 @@ pub(crate) fn trace(
         width: context.setting.size.0,
         frame: frame.index,
         stream: truth::stream(tracing.seed),
-        is_shared: tracing.is_shared,
     };
     let truth = converge(context.setting.size, &tracing.goal, |samples| {
         round(&shutter, &scene, &samples)

@@ -163,12 +163,12 @@ impl<'a> Times<'a> {
     fn new(frames: &'a [PlannedFrame]) -> Self {
         let mut expected = BTreeMap::<_, Expected>::new();
         for StageCost { id, ms } in frames.last().into_iter().flat_map(|frame| &frame.costs) {
-            let own = expected.entry(timing(*id)).or_default();
-            *if is_effect(*id) {
-                &mut own.effects
+            let sum = expected.entry(timing(*id)).or_default();
+            if is_effect(*id) {
+                sum.effects += ms;
             } else {
-                &mut own.base
-            } += ms;
+                sum.base += ms;
+            }
         }
         Self { frames, expected }
     }

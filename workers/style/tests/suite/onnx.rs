@@ -157,7 +157,7 @@ fn port(name: &str, shape: Option<&[u64]>) -> Vec<u8> {
     [field(1, name.as_bytes()), field(2, &field(1, &tensor))].concat()
 }
 
-/// A network whose output is always the same picture, whatever its input is.
+/// A network with the same output for every input.
 pub(crate) struct Fixed<'a> {
     pub(crate) width: usize,
     pub(crate) height: usize,

@@ -172,8 +172,7 @@ pub struct Estimate {
     pub size: (usize, usize),
     /// Paths of each pixel.
     pub paths: u64,
-    /// The sums of each pixel, row by row.
-    pub pixels: Vec<PixelSums>,
+    pub(crate) pixels: Vec<PixelSums>,
 }
 
 /// Distribution of the errors of blocks.

@@ -69,8 +69,8 @@ impl Shade {
             range,
             normals,
         };
-        let facing = surfaces.orientations(reach);
-        let seen = surfaces.shares_seen(lamp, rays, &facing);
+        let facing = surfaces.orient(reach);
+        let seen = surfaces.see_lamp(lamp, rays, &facing);
         let lit = LitSurfaces {
             surfaces,
             facing: &facing,
@@ -108,7 +108,7 @@ pub(super) struct Surfaces<'a> {
 
 impl Surfaces<'_> {
     /// Orientation of each pixel's surface to a lamp.
-    fn orientations(self, reach: Reach) -> Vec<f32> {
+    fn orient(self, reach: Reach) -> Vec<f32> {
         let (width, height) = self.range.size();
         let mut places = [(); 5].map(|()| vec![0.0f32; width]);
         let mut facing = vec![AWAY; width * height];
@@ -117,13 +117,13 @@ impl Surfaces<'_> {
             vectorized!(places_of(lens(self.camera), y as f32, self.range.row(y), &mut to));
             // Attenuation is not needed here.
             let row = Row::new((&places, 0..width), (self.normals, y * width), ([0.0; 3], 0.0));
-            vectorized!(orientations_in(row, reach, facing));
+            vectorized!(find_orientations(row, reach, facing));
         }
         facing
     }
 
     /// Visible share of a lamp from the surfaces in its beam; 1 elsewhere, where it does not matter.
-    fn shares_seen(self, lamp: &Lamp, rays: &dyn Rays, facing: &[f32]) -> Vec<f32> {
+    fn see_lamp(self, lamp: &Lamp, rays: &dyn Rays, facing: &[f32]) -> Vec<f32> {
         let (radius_m, count) = lamp.shadow.disc();
         let place = lamp.position_m.map(|v| v as f32);
         let (disc, mut sight, mut starts) = (Disc::new(count), Sight::new(rays), Starts::default());
@@ -152,20 +152,21 @@ impl Surfaces<'_> {
     }
 }
 
+/// Orientation of the surfaces of a row to a lamp.
 #[inline(always)]
-fn orientations_in(
+fn find_orientations(
     Row {
         places: [x, y, z, _, shown],
         normals: [nx, ny, nz],
         ..
     }: Row<'_>,
     reach: Reach,
-    stand: &mut [f32],
+    orientations: &mut [f32],
 ) {
     let count = x.len();
     let (y, z, shown) = (&y[..count], &z[..count], &shown[..count]);
     let (nx, ny, nz) = (&nx[..count], &ny[..count], &nz[..count]);
-    let stand = &mut stand[..count];
+    let orientations = &mut orientations[..count];
     let (
         [px, py, pz],
         Profile {
@@ -182,7 +183,7 @@ fn orientations_in(
         let lit = if in_beam { IN_BEAM } else { LIT };
         let lit = if light > 1.0 { lit } else { DIM };
         let faces = (shown[i] != 0.0) & (facing > 0.0);
-        stand[i] = if faces { lit } else { AWAY };
+        orientations[i] = if faces { lit } else { AWAY };
     }
 }
 

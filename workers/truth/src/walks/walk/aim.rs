@@ -5,8 +5,8 @@ use imaging::vector::DVec3;
 use super::Walk;
 use crate::phase::versine;
 
-/// Highest scattering order with aimed directions. A draw that could have been aimed weighs up to twice as much, and after many of
-/// them a few paths would have all the light.
+/// Highest scattering order with aimed directions. Each of their draws can double the weight of a path, and a few paths would
+/// have all the light after many.
 const MOST_AIMED: usize = 8;
 /// Phase function of wide scattering, 1/sr: the unit of the light expected toward a source.
 const WIDE: f64 = 0.01;

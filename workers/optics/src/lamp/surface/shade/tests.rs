@@ -60,7 +60,7 @@ fn shadows_are_found_as_if_each_pixel_were_traced() {
     for radius_m in [0.0, RADIUS_M] {
         let lamp = Lamp::point([0.6, -0.3, 0.2], [1.0; 3]).unwrap();
         let lamp = lamp.with_shadow(Shadow::of_lamp(radius_m), true);
-        let found = surfaces.shares_seen(&lamp, &Bars, &facing);
+        let found = surfaces.see_lamp(&lamp, &Bars, &facing);
         let (disc, mut sight, mut starts) = (
             Disc::new(lamp.shadow.disc().1),
             Sight::new(&Bars),

@@ -42,7 +42,7 @@ pub(super) fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
 }
 
 impl Checks {
-    /// The described model, or the usual one for what is known of the water.
+    /// The described model, or the usual one of a water with or without known parts.
     pub(super) fn scatter(&mut self, medium: &Medium, known: &Coefficients) -> Scatter {
         let has_parts = known.absorption.is_some() && known.scattering.is_some();
         let usual = ForwardScatter::from(if has_parts {
