@@ -272,7 +272,7 @@ fn the_noise_of_the_sensor_is_a_tolerance() {
         let job = parse(&job(&fields));
         let mut slot = Slot::new(&engine_without_runtime());
         let plan = slot.plan(&job.resolve(0).unwrap(), &SceneSource::Local);
-        plan.unwrap().tolerance
+        plan.unwrap().tolerance.map(|tolerance| tolerance.absolute)
     };
     let camera = json!({"sensor": {"read_noise_e": 30.0, "full_well_e": 10_000.0}});
     let tolerance = plan(json!({"camera": camera})).unwrap();

@@ -1,7 +1,7 @@
 //! Comparison of a frame with its reference and the bound of its plan.
 
 use imaging::{Rgb, transfer};
-use optics::plan::{Plan, StageId};
+use optics::plan::{ErrorBound, Plan, StageId};
 use spec::{Fidelity, Frame, Tone};
 
 use super::case::Case;
@@ -47,8 +47,17 @@ pub(super) struct Measured {
     pub(super) above: f64,
     /// Column, row and channel of that error.
     pub(super) place: [usize; 3],
-    /// Largest difference of 8-bit codes with the fidelity `picture`; `None` if that plan exceeds its tolerance.
-    pub(super) picture_codes: Option<u8>,
+    /// The same frame with the fidelity `picture`; `None` if that plan exceeds its tolerance or has a stage without a bound.
+    pub(super) picture: Option<PictureError>,
+}
+
+/// The error of a frame with the fidelity `picture`, whose promise grows with the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PictureError {
+    /// Largest difference of 8-bit codes.
+    pub(super) codes: u8,
+    /// Largest error of a sample over what the plan promises for it.
+    pub(super) ratio: f64,
 }
 
 /// The bound of a plan; `None` without a tolerance.
@@ -69,16 +78,21 @@ impl Measured {
         let fast = studio.linear(frame, frame.fidelity, &source).ok()?;
         let shown = studio.linear(frame, Fidelity::Picture, &source).ok()?;
         let (error, place) = find_largest_error(&fast.radiance, &exact);
-        let picture_codes = read_promise(&shown.plan)
+        let picture = read_promise(&shown.plan)
             .filter(|promise| !promise.exceeds && !promise.is_open)
-            .map(|_| compare_codes(&shown.radiance, &exact, frame.camera.tone));
+            .and_then(|_| {
+                Some(PictureError {
+                    codes: compare_codes(&shown.radiance, &exact, frame.camera.tone),
+                    ratio: find_largest_ratio(&shown.radiance, &exact, shown.plan.promised_error()?),
+                })
+            });
         let promise = read_promise(&fast.plan)?;
         Some(Self {
             promise,
             error,
             above: share_above(&fast.radiance, &exact, promise.bound),
             place,
-            picture_codes,
+            picture,
         })
     }
 }
@@ -96,6 +110,17 @@ fn find_largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>) -> (f64, [usize; 3]) {
         }
     }
     largest
+}
+
+/// The largest error of a sample over its bound.
+fn find_largest_ratio(fast: &Rgb<f32>, exact: &Rgb<f32>, bound: ErrorBound) -> f64 {
+    let planes = fast.planes().iter().zip(exact.planes());
+    let pairs = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));
+    let ratios = pairs.map(|(&fast, &exact)| {
+        let light = f64::from(exact).clamp(0.0, WHITE);
+        sample_error(fast, exact) / bound.bound_sample(light)
+    });
+    ratios.fold(0.0, f64::max)
 }
 
 /// The error of a sample; infinite for a NaN.

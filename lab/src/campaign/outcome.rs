@@ -99,10 +99,15 @@ impl Outcome {
         if error == 0.0 { 0.0 } else { error / promise.bound }
     }
 
-    /// Whether the error is above the bound, or one of them is NaN.
+    /// Whether the error is above the bound, or one of them is NaN, with the fidelity of the frame or with `picture`.
     pub(super) fn is_broken(&self) -> bool {
-        let Measured { error, promise, .. } = self.measured;
-        let is_within = error <= promise.bound;
+        let Measured {
+            error,
+            promise,
+            picture,
+            ..
+        } = self.measured;
+        let is_within = error <= promise.bound && picture.is_none_or(|picture| picture.ratio <= 1.0);
         !promise.is_open && !is_within
     }
 

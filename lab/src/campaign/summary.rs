@@ -1,5 +1,6 @@
 //! Figures of a campaign.
 
+use super::measured::PictureError;
 use super::outcome::Outcome;
 use crate::row;
 use crate::statistics::{largest, quantile, sorted};
@@ -22,7 +23,7 @@ pub(super) fn kinds(outcomes: &[Outcome]) -> Vec<&'static str> {
 /// A row for each kind of frames and one for all. Frames with an unbounded stage are counted separately.
 pub(super) fn summarize(outcomes: &[Outcome]) -> Table {
     let columns = "frames;number;error / bound, largest;bound / error, median;above the bound;above tolerance, with reason;without reason;\
-                   without bound;samples above in 95 % of these, %;codes off with `picture`, most";
+                   without bound;samples above in 95 % of these, %;codes off with `picture`, most;error / bound with `picture`, largest";
     let mut table = Table::new("bounds", columns.split(';'));
     for kind in kinds(outcomes).into_iter().chain(["all"]) {
         let part = outcomes.iter();
@@ -30,7 +31,9 @@ pub(super) fn summarize(outcomes: &[Outcome]) -> Table {
         let (open, closed): (Vec<&Outcome>, Vec<&Outcome>) =
             part.partition(|outcome| outcome.measured.promise.is_open);
         let loud = closed.iter().filter(|outcome| outcome.measured.error > ROUNDING);
-        let codes = closed.iter().filter_map(|outcome| outcome.measured.picture_codes);
+        let pictures: Vec<PictureError> = (closed.iter())
+            .filter_map(|outcome| outcome.measured.picture)
+            .collect();
         table.push(row![
             kind,
             closed.len(),
@@ -44,7 +47,8 @@ pub(super) fn summarize(outcomes: &[Outcome]) -> Table {
             closed.iter().filter(|outcome| outcome.is_silent()).count(),
             open.len(),
             100.0 * quantile(&sorted(open.iter().map(|outcome| outcome.measured.above)), 0.95),
-            codes.max(),
+            pictures.iter().map(|picture| picture.codes).max(),
+            largest(pictures.iter().map(|picture| picture.ratio)),
         ]);
     }
     table

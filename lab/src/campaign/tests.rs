@@ -51,6 +51,8 @@ fn no_error_exceeds_its_bound() {
     let figures = ["above the bound", "without reason"].map(|column| figure(&outcomes, column));
     assert_eq!(figures, [0.0, 0.0], "{}", summarize(&outcomes).markdown());
     assert!(figure(&outcomes, "codes off with `picture`, most") <= 1.0);
+    let ratio = figure(&outcomes, "error / bound with `picture`, largest");
+    assert!(0.0 < ratio && ratio <= 1.0, "{ratio}");
 }
 
 #[test]

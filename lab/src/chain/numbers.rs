@@ -68,7 +68,7 @@ pub(super) fn measure_bright_lamps() -> Finding {
         let mut trial = Trial::on_slope(SIZE, RANGE_M, coastal(ScatterModel::Jaffe, 1.0));
         trial.radiance = trial.radiance.map(|&v| if v > 0.97 { peak } else { v });
         let plan = trial.plan(DEFAULT);
-        bound = largest(plan.errors().map(|error| error.bound_sample(f64::from(peak))));
+        bound = plan.error().bound_sample(f64::from(peak));
         above = above.max(trial.error(DEFAULT) / bound);
         relative = relative.max(trial.error(PLENTY) / f64::from(peak));
     }

@@ -90,12 +90,12 @@ export function planTable(record) {
   const plan = record.plan.filter((stage) => stage.variant !== "skip");
   // Long names break after a point.
   const rows = plan.map((stage) => [stage.stage.replaceAll(".", ".\u200b"), [stage.variant, stage.terms ? ` ${stage.terms}` : ""], stage.bound === undefined ? "–"
-    : number(stage.bound, 3), stage.share === undefined ? "–" : number(stage.share, 3), stage.cost_ms === undefined ? "–" : number(stage.cost_ms, 3)]);
+    : number(stage.bound, 3) + (stage.relative_share ? ` + ${number(100 * stage.relative_share, 2)} %` : ""), stage.share === undefined ? "–" : number(stage.share, 3), stage.cost_ms === undefined ? "–" : number(stage.cost_ms, 3)]);
   const skipped = record.plan.length - plan.length;
   const times = Object.entries(record.timings_ms ?? {}).filter(([name, ms]) => name !== "total" && ms >= 0.05).sort((a, b) => b[1] - a[1]);
   const total = record.timings_ms?.total ?? times.reduce((sum, [, ms]) => sum + ms, 0);
   return [table(["stage", "variant", "bound", "tolerance", "planned ms"], rows, { label: "Plan" }),
-    h("p.quiet", {}, `${skipped} stages are skipped. A bound is the largest error in linear light at the output of its stage.`),
+    h("p.quiet", {}, `${skipped} stages are skipped. A bound is the largest error in linear light at the output of its stage; a percentage is of its own light.`),
     record.promise ? h("p", {}, record.promise.text) : null,
     record.promise?.exceeds ? h("p.bad", {}, `The plan exceeds the tolerance: ${record.promise.exceeds}.`) : null,
     h("p", {}, `Time ${number(total, 3)} ms:`),

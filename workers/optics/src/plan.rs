@@ -44,7 +44,7 @@ use scattering::{gates, layered, passages, scatter};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
     /// The tolerated error of the exposed light; `None` for a fixed number of kernels and for the reference.
-    pub tolerance: Option<f64>,
+    pub tolerance: Option<ErrorBound>,
     /// The stages in the order of light.
     pub stages: Vec<Stage>,
 }
@@ -53,7 +53,7 @@ impl Plan {
     /// The plan of water alone, around a scene without lamps, snow, camera, style or haze.
     #[must_use]
     pub fn for_water(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Self {
-        let tolerance = levels::tolerance(bounds, water, fidelity);
+        let tolerance = levels::tolerance(bounds, water, fidelity).map(ErrorBound::absolute);
         let share = Budget::new(tolerance, &[]).water(std::iter::empty(), Gain::ONE);
         let conditions = Conditions {
             water,
@@ -89,10 +89,11 @@ impl Plan {
         self
     }
 
-    /// The largest error of each channel of the exposed light, composed through the gains.
+    /// The largest error of any channel of the exposed light, composed through the gains.
     #[must_use]
-    pub fn errors(&self) -> [ErrorBound; 3] {
-        compose(self.stages.iter().filter(|stage| stage.id.is_promised()))
+    pub fn error(&self) -> ErrorBound {
+        let channels = compose(self.stages.iter().filter(|stage| stage.id.is_promised()));
+        channels.into_iter().fold(ErrorBound::EXACT, ErrorBound::greater)
     }
 
     /// Expected milliseconds of all stages; `None` if one has no figure.

@@ -1,7 +1,7 @@
 //! The inputs of every stage's plan.
 
 use optics::lamp::{AirlightBounds, SurfaceBounds};
-use optics::plan::{Budget, SceneBounds, Variant, brightest_behind};
+use optics::plan::{Budget, ErrorBound, SceneBounds, Variant, brightest_behind};
 use spec::Fidelity;
 
 use crate::context::FrameContext;
@@ -19,7 +19,7 @@ pub(crate) struct Assessment<'a> {
     /// Airlight of lamps; `None` without lamps.
     pub(crate) airlight: Option<AirlightBounds>,
     /// The tolerated error of the exposed light; `None` for a fixed number of kernels and for the reference.
-    pub(crate) tolerance: Option<f64>,
+    pub(crate) tolerance: Option<ErrorBound>,
     pub(crate) budget: Budget,
 }
 

@@ -2,7 +2,7 @@
 
 use optics::lamp::{self, AirlightBounds, SurfaceBounds};
 use optics::plan::{
-    Budget, Conditions, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind, compose,
+    Budget, Conditions, ErrorBound, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind, compose,
     frame_tolerance,
 };
 use optics::setting::Setting;
@@ -24,7 +24,7 @@ const MOST_HALVINGS: usize = 2;
 pub(crate) fn plan_frame(
     context: &FrameContext<'_>,
     expected: Option<Expected>,
-    promised: Option<f64>,
+    promised: Option<ErrorBound>,
     engine: &Engine,
 ) -> Result<Plan, RenderError> {
     let Setting { lighting, around, .. } = &context.setting;
@@ -38,10 +38,10 @@ pub(crate) fn plan_frame(
         around.as_ref(),
         camera::hidden_error(context.frame),
     );
-    let tolerance = tolerance.map(|tolerance| tolerance * context.effects.tolerance_factor());
+    let tolerance = tolerance.map(|tolerance| tolerance.scaled(context.effects.tolerance_factor()));
     let airlight = seen.map(|(lighting, view)| lamp::bound_airlight(lighting, view));
     let peak = brightest_light(context, &bounds, airlight.as_ref());
-    let target = tolerance.map(|tolerance| promised.map_or(tolerance, |bound| bound.min(tolerance)));
+    let target = tolerance.map(|tolerance| promised.map_or(tolerance, |error| error.lesser(tolerance)));
     let optics = camera::assess_optics(context, expected, target, peak);
     let mut assessment = Assessment {
         context,
@@ -56,7 +56,10 @@ pub(crate) fn plan_frame(
     stages.extend(optics);
     stages.extend([style::assess(&assessment, engine)?, haze::assess(&assessment)]);
     stages.extend(camera::assess_electronics(context));
-    stages.extend(enhance::assess(context.frame, tolerance));
+    stages.extend(enhance::assess(
+        context.frame,
+        tolerance.map(|tolerance| tolerance.absolute),
+    ));
     stages.extend(truth::assess(context));
     context.effects.annotate(&mut stages);
     stages.sort_by_key(|stage| stage.id);
@@ -66,11 +69,15 @@ pub(crate) fn plan_frame(
 
 /// Plans the light before the camera. If all bounds together exceed the tolerance, stages that may be more accurate get smaller
 /// shares, unless even that is not enough.
-fn assess_light(assessment: &mut Assessment<'_>, target: Option<f64>, camera: &[Stage]) -> Vec<Stage> {
+fn assess_light(
+    assessment: &mut Assessment<'_>,
+    target: Option<ErrorBound>,
+    camera: &[Stage],
+) -> Vec<Stage> {
     let stages = pipeline::assess(assessment);
     let is_within = |stages: &[Stage]| {
         let errors = compose(stages.iter().chain(camera).filter(|stage| stage.id.is_promised()));
-        target.is_none_or(|target| errors.iter().all(|error| error.up_to_white() <= target))
+        target.is_none_or(|target| errors.iter().all(|error| error.is_within(target)))
     };
     if is_within(&stages) {
         return stages;

@@ -41,7 +41,7 @@ class StreamFrame:
         }
         """All artifacts by kind: the picture, the range, every enhancement, and the others of the job."""
         self.error_bound = error_bound
-        """Bound on the error of the exposed light; `None` if the job has no tolerance."""
+        """Bound on the error of the exposed light up to white; `None` if the job has no tolerance."""
         self.elapsed_ms = elapsed_ms
         """Milliseconds from the call of the renderer to its result."""
         self._record = record

@@ -54,10 +54,17 @@ pub struct RecordOf<V, M> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = PromisedError)]
 pub struct Promise {
-    /// The maximum error of any sample of the exposed light, black to white, against the exact chain in f64.
+    /// The maximum error of any sample of the exposed light, black to white, against the exact chain in f64; if `relative` is above 0,
+    /// without that share.
     pub bound: f64,
+    /// The share of its own light by which a sample may err in addition.
+    #[serde(default)]
+    pub relative: f64,
     /// The tolerance of the frame.
     pub tolerance: f64,
+    /// The tolerated share of its own light by which a sample may err in addition.
+    #[serde(default)]
+    pub relative_tolerance: f64,
     /// Stages without a bound; absent without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unbounded: Vec<String>,

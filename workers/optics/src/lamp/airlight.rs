@@ -26,6 +26,7 @@ use super::nodes::{self, MOST_NODES, Source};
 use super::patches;
 use super::{GlowPhase, Lamp, Lighting};
 use crate::elementary::{HALVINGS, small_sin_cos};
+use crate::error_bound::ErrorBound;
 use crate::extremes::brightest;
 use crate::legendre::gauss_legendre;
 use crate::turbidity;
@@ -43,12 +44,13 @@ type Lanes = [f32; RUN];
 /// The rules of 0, 2, 4, … nodes.
 static RULES: LazyLock<Vec<Vec<[f32; 2]>>> = LazyLock::new(|| (0..=MOST_NODES / 2).map(half_rule).collect());
 
-/// Airlight of lamps. All samples are within `left + rounding` of [`airlight_reference`](super::airlight_reference).
+/// Airlight of lamps. All samples are within `left + rounding` and the tolerated share of themselves of
+/// [`airlight_reference`](super::airlight_reference).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Airlight {
     /// Radiance in linear light.
     pub light: Rgb<f32>,
-    /// Error bound of the quadrature.
+    /// Error bound of the quadrature, beyond the tolerated share of the light.
     pub left: f64,
     /// Error bound of f32 rounding.
     pub rounding: f64,
@@ -66,14 +68,24 @@ impl Airlight {
 /// [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole is infinite.
 #[must_use]
 pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
-    airlight_within(f64::INFINITY, range, lighting, tolerance)
+    airlight_within(f64::INFINITY, range, lighting, ErrorBound::absolute(tolerance))
 }
 
 /// [`airlight`] with a rounding error of at most `rounding` and one more rounding of the light, for single scattering. Runs of
-/// pixels with a larger bound in f32 are computed in f64. Multiple scattering has no such limit.
+/// pixels with a larger bound in f32 are computed in f64. Multiple scattering has no such limit; only its quadrature uses the
+/// relative part of the tolerance.
 #[must_use]
-pub fn airlight_within(rounding: f64, range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
-    let share = tolerance / lighting.lamps.len().max(1) as f64;
+pub fn airlight_within(
+    rounding: f64,
+    range: &Plane<f32>,
+    lighting: &Lighting,
+    tolerance: ErrorBound,
+) -> Airlight {
+    // Shares of the light of each lamp add up to the same share of their sum.
+    let share = ErrorBound {
+        absolute: tolerance.absolute / lighting.lamps.len().max(1) as f64,
+        ..tolerance
+    };
     glow(range, lighting, (Order::Within(share), rounding))
 }
 
@@ -89,9 +101,19 @@ pub fn airlight_with_nodes(range: &Plane<f32>, lighting: &Lighting, nodes: usize
 #[derive(Clone, Copy)]
 enum Order {
     /// The least count that keeps the error of one lamp within this tolerance.
-    Within(f64),
+    Within(ErrorBound),
     /// A fixed count.
     Fixed(usize),
+}
+
+impl Order {
+    /// The tolerated error of one lamp; none for a fixed count.
+    fn tolerance(self) -> ErrorBound {
+        match self {
+            Self::Within(tolerance) => tolerance,
+            Self::Fixed(_) => ErrorBound::EXACT,
+        }
+    }
 }
 
 fn glow(range: &Plane<f32>, lighting: &Lighting, (order, limit): (Order, f64)) -> Airlight {
@@ -204,6 +226,8 @@ struct Glow {
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
     gain: [f32; 3],
     source: Source,
+    /// Share of its light that the quadrature may err by besides the tolerance of the source.
+    tolerated_share: f64,
     rounding: Rounding,
     /// Nodes of every run; `None`: chosen by the source's tolerance.
     fixed: Option<usize>,
@@ -265,11 +289,9 @@ impl Glow {
                     0.0
                 },
                 phase: lighting.phase,
-                tolerance: match order {
-                    Order::Within(tolerance) => tolerance,
-                    Order::Fixed(_) => 0.0,
-                },
+                tolerance: order.tolerance().absolute,
             },
+            tolerated_share: order.tolerance().relative,
             rounding: Rounding::new(lamp, lighting, (least, strength)),
             fixed: match order {
                 Order::Within(_) => None,

@@ -58,6 +58,39 @@ impl ErrorBound {
         }
     }
 
+    /// Whether no sample up to white exceeds a tolerance.
+    #[must_use]
+    pub fn is_within(self, tolerance: Self) -> bool {
+        self.absolute <= tolerance.absolute && self.up_to_white() <= tolerance.up_to_white()
+    }
+
+    /// Both parts times a factor.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            absolute: self.absolute * factor,
+            relative: self.relative * factor,
+        }
+    }
+
+    /// The greater of each part.
+    #[must_use]
+    pub fn greater(self, other: Self) -> Self {
+        Self {
+            absolute: self.absolute.max(other.absolute),
+            relative: self.relative.max(other.relative),
+        }
+    }
+
+    /// The lesser of each part.
+    #[must_use]
+    pub fn lesser(self, other: Self) -> Self {
+        Self {
+            absolute: self.absolute.min(other.absolute),
+            relative: self.relative.min(other.relative),
+        }
+    }
+
     /// The error behind a stage with this gain.
     #[must_use]
     pub fn behind(self, gain: Gain) -> Self {

@@ -15,18 +15,25 @@ const NOISE_PEAK: f64 = 5.0;
 pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
 /// An error up to this changes 8-bit codes by at most one, even in black.
 const DARK: f64 = 1.0 / 255.0 / 12.92;
+/// The light from which on the slope of the transfer curve falls with light.
+const FOOT: f64 = 0.003_130_8;
+/// The slope of the transfer curve falls with this power of the light; width of a code in white.
+const SLOPE_POWER: f64 = -0.5833;
+const WHITE_CODE: f64 = 1.0 / 255.0 / 0.4396;
+/// Share of its own light that a sample may also err by: half of a code in white. In between a code is wider than a line.
+const RELATIVE: f64 = 4e-3;
 
 /// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference. Errors up to
-/// `hidden` are hidden by the noise of the sensor; 0 without one.
+/// `hidden` are hidden by the noise of the sensor; 0 without one. Only the light of lamps may err by a share of itself.
 #[must_use]
 pub fn frame_tolerance(
     frame: &Frame,
     bounds: &SceneBounds,
     around: Option<&Water>,
     hidden: f64,
-) -> Option<f64> {
+) -> Option<ErrorBound> {
     match frame.fidelity {
-        Fidelity::Tolerance(tolerance) => Some(tolerance),
+        Fidelity::Tolerance(tolerance) => Some(ErrorBound::absolute(tolerance)),
         Fidelity::Terms(_) | Fidelity::Reference => None,
         Fidelity::Picture | Fidelity::BudgetMs(_) => {
             // Snow may be darker than anything in the water, airlight lifts darkness to another slope of the curve, and an exposure
@@ -37,8 +44,23 @@ pub fn frame_tolerance(
                 Some(water) if !is_covered => display_tolerance(bounds, water),
                 _ => DARK,
             };
-            Some(code.max(hidden))
+            let invisible = code.max(hidden);
+            Some(if frame.has_lamps() {
+                lean(invisible)
+            } else {
+                ErrorBound::absolute(invisible)
+            })
         }
+    }
+}
+
+/// A tolerance that grows with the light, without exceeding one code or `invisible` anywhere: a code is as wide as `invisible` at
+/// some light, from there on it is wider than any line up to half of a code in white.
+fn lean(invisible: f64) -> ErrorBound {
+    let wide = (invisible / WHITE_CODE).powf(1.0 / -SLOPE_POWER).clamp(FOOT, 1.0);
+    ErrorBound {
+        absolute: invisible - RELATIVE * wide,
+        relative: RELATIVE,
     }
 }
 
@@ -110,7 +132,6 @@ fn brightest_direct(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 
 /// 0.0031, else the limit from the steep foot of the curve (12.92).
 #[must_use]
 pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
-    const FOOT: f64 = 0.003_130_8;
     let darkest = (0..3)
         .map(|channel| levels(bounds, water, channel).0)
         .fold(f64::INFINITY, f64::min);
@@ -119,7 +140,7 @@ pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     }
     // The slope falls with the light, so it is evaluated at the light less the error.
     let darkest = (darkest - DARK).max(FOOT).min(1.0);
-    1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
+    WHITE_CODE / darkest.powf(SLOPE_POWER)
 }
 
 /// Light and attenuation of one channel of a scene.

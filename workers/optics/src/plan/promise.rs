@@ -2,7 +2,7 @@
 
 use spec::Promise;
 
-use super::{MOST_TERMS, Plan, StageId, Variant};
+use super::{ErrorBound, MOST_TERMS, Plan, StageId, Variant};
 
 /// White of the exposed light. A picture is clipped at black and white, which limits the error of a sample.
 const WHITE: f64 = 1.0;
@@ -13,29 +13,52 @@ impl Plan {
     /// The promise; `None` without a tolerance.
     ///
     /// It refers to the exposed light cut at black and white, in the fast chain as in the exact one. Its bound is therefore at most
-    /// [`WHITE`] for any sum of the stages; [`Plan::errors`] composes their bounds without this limit.
+    /// [`WHITE`] for any sum of the stages; [`Plan::error`] composes their bounds without this limit. Relative errors count as in
+    /// white, unless the tolerance has a relative part.
     #[must_use]
     pub fn promise(&self) -> Option<Promise> {
         let tolerance = self.tolerance?;
-        let errors = self.errors().map(super::ErrorBound::up_to_white);
-        let bound = errors.into_iter().fold(0.0, f64::max).min(WHITE);
+        let error = self.promised_error()?;
+        let ErrorBound { absolute: bound, relative } = error;
         let unbounded: Vec<_> = self.unbounded().map(|id| id.name().to_owned()).collect();
         let apart = if unbounded.is_empty() {
             String::new()
         } else {
             format!(", apart from {}, whose errors have no bound", join(&unbounded))
         };
-        let exceeds = self.find_excess(bound, tolerance);
+        let exceeds = self.find_excess(error, tolerance);
+        let share = if relative > 0.0 {
+            format!(" plus {:.2} % of its own light", 100.0 * relative)
+        } else {
+            String::new()
+        };
         let text = format!(
-            "Every sample of the exposed light, from black to white, is within {bound:.2e} of the exact chain{apart}."
+            "Every sample of the exposed light, from black to white, is within {bound:.2e}{share} of the exact chain{apart}."
         );
         Some(Promise {
             bound,
-            tolerance,
+            relative,
+            tolerance: tolerance.absolute,
+            relative_tolerance: tolerance.relative,
             unbounded,
             exceeds,
             text,
         })
+    }
+
+    /// The error that the plan promises, in the terms of its tolerance; `None` without a tolerance.
+    #[must_use]
+    pub fn promised_error(&self) -> Option<ErrorBound> {
+        let error = self.error();
+        let error = if self.tolerance?.relative > 0.0 {
+            error
+        } else {
+            ErrorBound::absolute(error.up_to_white())
+        };
+        Some(error.lesser(ErrorBound {
+            absolute: WHITE,
+            relative: WHITE,
+        }))
     }
 
     /// Stages before the picture that run without a bound.
@@ -47,11 +70,14 @@ impl Plan {
     }
 
     /// Why the bound exceeds the tolerance, and what to change.
-    fn find_excess(&self, bound: f64, tolerance: f64) -> Option<String> {
-        if bound <= tolerance * (1.0 + SUM_ROUNDING) {
+    fn find_excess(&self, error: ErrorBound, tolerance: ErrorBound) -> Option<String> {
+        if error.is_within(tolerance.scaled(1.0 + SUM_ROUNDING)) {
             return None;
         }
-        let worst = self.find_largest();
+        let exceeds_in_black = tolerance.relative > 0.0 && error.absolute > tolerance.absolute;
+        let light = if exceeds_in_black { 0.0 } else { WHITE };
+        let [bound, tolerance] = [error, tolerance].map(|error| error.bound_sample(light));
+        let worst = self.find_largest(light);
         let culprit = worst.map_or(String::new(), |(id, error)| {
             format!(", most of it ({:.2e}) from {}", error.min(WHITE), id.name())
         });
@@ -80,8 +106,8 @@ impl Plan {
         ))
     }
 
-    /// The stage that adds most to the error of the exposed light, and that error.
-    fn find_largest(&self) -> Option<(StageId, f64)> {
+    /// The stage that adds most to the error of this much exposed light, and that error.
+    fn find_largest(&self, light: f64) -> Option<(StageId, f64)> {
         let promised: Vec<_> = self
             .stages
             .iter()
@@ -95,7 +121,7 @@ impl Plan {
                     .channel()
                     .is_none_or(|channel| own.is_none_or(|own| own == channel))
             }));
-            promised[at].bound.unwrap_or_default().behind(gain).up_to_white()
+            promised[at].bound.unwrap_or_default().behind(gain).bound_sample(light)
         };
         let shares = (0..promised.len()).map(|at| (promised[at].id, share(at)));
         shares.max_by(|a, b| a.1.total_cmp(&b.1))
@@ -128,7 +154,7 @@ fn join(names: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ErrorBound, Gain, Stage};
+    use super::super::{Gain, Stage};
     use super::*;
 
     fn plan(bound: f64, gain: f64) -> Plan {
@@ -146,7 +172,7 @@ mod tests {
             ..Stage::new(StageId::Style, Variant::Fast("table"))
         };
         Plan {
-            tolerance: Some(3e-4),
+            tolerance: Some(ErrorBound::absolute(3e-4)),
             stages: vec![lamps, exposure, style],
         }
     }
@@ -175,6 +201,33 @@ mod tests {
             "{exceeds}"
         );
         assert!(exceeds.contains("lower the intensity"), "{exceeds}");
+    }
+
+    #[test]
+    fn a_tolerance_with_a_share_of_the_light_is_promised_in_two_parts() {
+        let mut plan = plan(1e-5, 20.0);
+        plan.tolerance = Some(ErrorBound {
+            absolute: 2.9e-4,
+            relative: 4e-3,
+        });
+        plan.stages[0].bound = Some(ErrorBound {
+            absolute: 1e-5,
+            relative: 2e-3,
+        });
+        let promise = plan.promise().unwrap();
+        assert_eq!(promise.exceeds, None, "{promise:?}");
+        assert!((promise.relative - 2.0001e-3).abs() < 1e-9, "{promise:?}");
+        assert!(
+            promise.text.contains("within 2.00e-4 plus 0.20 % of its own light of the exact chain."),
+            "{}",
+            promise.text
+        );
+        plan.stages[0].bound = Some(ErrorBound::absolute(2e-5));
+        let exceeds = plan.promise().unwrap().exceeds.unwrap();
+        assert!(exceeds.contains("4.00e-4 and the tolerance is 2.90e-4"), "{exceeds}");
+        plan.stages[0].bound = Some(ErrorBound::relative(5e-3));
+        let exceeds = plan.promise().unwrap().exceeds.unwrap();
+        assert!(exceeds.contains("5.00e-3 and the tolerance is 4.29e-3"), "{exceeds}");
     }
 
     #[test]

@@ -5,6 +5,8 @@ use super::{ErrorBound, Gain, Stage, StageId};
 
 /// Share of airlight, for quadrature and rounding: more nodes cost little compared with more kernels.
 const AIRLIGHT: f64 = 0.25;
+/// Part of the tolerated share of a sample's own light for airlight; the rest is for rounding.
+const AIRLIGHT_RELATIVE: f64 = 0.9;
 /// Share of rounding of the light of lamps on surfaces. Pixels that would lose more are computed in f64.
 const LAMP_ROUNDING: f64 = 0.125;
 /// Share of clouds of sediment, used only if they are omitted.
@@ -21,11 +23,13 @@ const LEAST: f64 = 0.125;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
     /// The tolerated error of the exposed light; `None` without a tolerance.
-    pub tolerance: Option<f64>,
+    pub tolerance: Option<ErrorBound>,
     /// From the light before the camera to the exposed light.
     gain: Gain,
     /// The largest absolute error of the light before the camera.
     whole: f64,
+    /// The relative error that the exposed light may have besides that of the camera.
+    relative: f64,
     /// Factor of the shares of stages before the water.
     part: f64,
 }
@@ -33,16 +37,18 @@ pub struct Budget {
 impl Budget {
     /// The budget before these stages of the camera.
     #[must_use]
-    pub fn new(tolerance: Option<f64>, camera: &[Stage]) -> Self {
+    pub fn new(tolerance: Option<ErrorBound>, camera: &[Stage]) -> Self {
         let exposed = || camera.iter().filter(|stage| stage.id.is_promised());
         let gain = compose_gain(exposed());
-        let own = compose(exposed()).map(ErrorBound::up_to_white);
-        let own = own.into_iter().fold(0.0, f64::max);
-        let asked = tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        let own = compose(exposed()).into_iter().fold(ErrorBound::EXACT, ErrorBound::greater);
+        let asked = tolerance.unwrap_or(ErrorBound::absolute(DEFAULT_TOLERANCE));
+        // What the tolerated share of a sample does not cover counts as in white.
+        let uncovered = own.absolute + (own.relative - asked.relative).max(0.0);
         Self {
             tolerance,
             gain,
-            whole: (asked - own).max(LEAST * asked) / gain.absolute,
+            whole: (asked.absolute - uncovered).max(LEAST * asked.absolute) / gain.absolute,
+            relative: (asked.relative - own.relative).max(0.0),
             part: 1.0,
         }
     }
@@ -66,6 +72,12 @@ impl Budget {
     #[must_use]
     pub fn airlight(&self) -> f64 {
         AIRLIGHT * self.part * self.whole
+    }
+
+    /// The share of itself that airlight may err by in addition.
+    #[must_use]
+    pub fn airlight_relative(&self) -> f64 {
+        AIRLIGHT_RELATIVE * self.relative / self.gain.relative
     }
 
     /// The part of rounding of the light of lamps on surfaces.
@@ -102,8 +114,8 @@ impl Budget {
             let own = if enters_water { gain } else { Gain::ONE };
             used = used.plus(stage.bound.unwrap_or_default().behind(own));
         }
-        let relative = used.relative * self.gain.relative / self.gain.absolute;
-        Some((self.whole - used.absolute - relative).max(LEAST * self.whole))
+        let uncovered = (used.relative * self.gain.relative - self.relative).max(0.0) / self.gain.absolute;
+        Some((self.whole - used.absolute - uncovered).max(LEAST * self.whole))
     }
 }
 
@@ -138,10 +150,12 @@ mod tests {
             gain: Gain::factor(20.0),
             ..Stage::new(StageId::Exposure, Variant::Fast("fixed"))
         };
-        let bright = Budget::new(Some(3e-4), std::slice::from_ref(&exposure));
+        let tolerance = Some(ErrorBound::absolute(3e-4));
+        let bright = Budget::new(tolerance, std::slice::from_ref(&exposure));
         assert!((bright.whole() - 1.5e-5).abs() < 1e-12);
-        let plain = Budget::new(Some(3e-4), &[]);
+        let plain = Budget::new(tolerance, &[]);
         assert_eq!(plain.whole(), 3e-4);
+        assert_eq!(plain.airlight_relative(), 0.0);
         let left = plain.water(std::iter::empty(), Gain::ONE).unwrap();
         assert!((left - (3e-4 - ROUNDING)).abs() < 1e-15);
     }
@@ -152,6 +166,40 @@ mod tests {
             bound: Some(ErrorBound::absolute(1.0)),
             ..Stage::new(StageId::Style, Variant::Fast("table"))
         };
-        assert_eq!(Budget::new(Some(3e-4), &[style]).whole(), 3e-4);
+        let tolerance = Some(ErrorBound::absolute(3e-4));
+        assert_eq!(Budget::new(tolerance, &[style]).whole(), 3e-4);
+    }
+
+    #[test]
+    fn a_tolerated_share_of_the_light_pays_for_airlight_and_rounding() {
+        let tolerance = ErrorBound {
+            absolute: 3e-4,
+            relative: 4e-3,
+        };
+        let metered = Stage {
+            gain: Gain {
+                absolute: 20.0,
+                relative: 2.0,
+            },
+            bound: Some(ErrorBound::relative(1e-6)),
+            ..Stage::new(StageId::Exposure, Variant::Fast("auto"))
+        };
+        let budget = Budget::new(Some(tolerance), std::slice::from_ref(&metered));
+        assert_eq!(budget.whole(), 3e-4 / 20.0);
+        let glow = Stage {
+            bound: Some(ErrorBound {
+                absolute: budget.airlight(),
+                relative: budget.airlight_relative(),
+            }),
+            ..Stage::new(StageId::Glow, Variant::Fast("quadrature"))
+        };
+        let left = budget.water([&glow].into_iter(), Gain::ONE).unwrap();
+        assert!((left - (1.0 - AIRLIGHT) * budget.whole()).abs() < 1e-15, "{left}");
+        let water = Stage {
+            bound: Some(ErrorBound::absolute(left)),
+            ..Stage::new(StageId::ForwardScatter(1), Variant::Fast("chebyshev"))
+        };
+        let sum = compose([&water, &glow, &metered].into_iter())[1];
+        assert!(sum.is_within(tolerance), "{sum:?}");
     }
 }

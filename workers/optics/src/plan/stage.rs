@@ -201,6 +201,8 @@ pub struct Stage {
     pub terms: Option<usize>,
     /// Part of the tolerance assigned to it, at its output.
     pub share: Option<f64>,
+    /// Share of its own light that it may err by in addition; part of the relative bound.
+    pub relative_share: f64,
     /// The largest error that it adds at its output; `None` without a bound.
     pub bound: Option<ErrorBound>,
     /// How an error at its input appears at its output.
@@ -223,6 +225,7 @@ impl Stage {
             variant,
             terms: None,
             share: None,
+            relative_share: 0.0,
             bound: Some(ErrorBound::EXACT),
             gain: Gain::ONE,
             cost_ms,
@@ -265,6 +268,7 @@ impl Serialize for Stage {
         };
         entry("share", self.share)?;
         entry("bound", self.printed_bound())?;
+        entry("relative_share", Some(self.relative_share).filter(|share| *share > 0.0))?;
         entry("gain", self.printed_gain())?;
         entry("cost_ms", self.cost_ms)?;
         if let Some(terms) = self.terms {
@@ -281,11 +285,10 @@ impl Serialize for Stage {
 }
 
 impl Stage {
-    /// The printed bound, for light up to white; `None` of stages without one.
-    #[must_use]
-    pub fn printed_bound(&self) -> Option<f64> {
+    /// The printed bound, for light up to white but without the relative share; `None` of stages without one.
+    fn printed_bound(&self) -> Option<f64> {
         self.bound
-            .map(ErrorBound::up_to_white)
+            .map(|bound| bound.up_to_white() - self.relative_share)
             .filter(|bound| *bound > 0.0)
     }
 

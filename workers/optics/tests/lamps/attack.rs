@@ -4,7 +4,8 @@
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, backscatter_fraction};
+use optics::lamp::{self, Airlight, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, backscatter_fraction};
+use optics::plan::ErrorBound;
 use optics::snow::World;
 use optics::turbidity::Field;
 use spec::Turbidity;
@@ -177,7 +178,7 @@ fn airlight_stays_within_a_rounding_that_f32_would_exceed() {
         let Case { range, lighting } = case(seed, false);
         let reference = lamp::airlight_reference(&exact(&range), &lighting, REFERENCE_NODES);
         let limit = 1e-3 * lamp::airlight(&range, &lighting, 1e-4).rounding;
-        let fast = lamp::airlight_within(limit, &range, &lighting, 1e-4);
+        let fast = lamp::airlight_within(limit, &range, &lighting, ErrorBound::absolute(1e-4));
         let (error, most) = (
             worst(&fast.light, &reference),
             limit.max(sample_rounding(peak(&reference))),
@@ -277,30 +278,52 @@ pub(crate) fn wide_case(seed: u64) -> Case {
     }
 }
 
-/// The reference is slow: some pixels of each frame are compared, each as a separate frame.
+/// The largest error of some pixels of a frame over `left + rounding` and this share of their light. The reference is slow: each
+/// pixel is compared as a separate frame.
+fn largest_ratio(seed: u64, Case { range, lighting }: &Case, fast: &Airlight, share: f64) -> f64 {
+    let stream = Stream::stage(seed, "pixels");
+    let ratios = (0..WIDE_PIXELS).flat_map(|pixel| {
+        let at = |what: u64, count: usize| (stream.unit(pixel, what) * count as f64) as usize;
+        let (x, y) = (at(0, WIDE.0), at(1, WIDE.1));
+        let mut single = lighting.clone();
+        single.camera.cx -= x as f64;
+        single.camera.cy -= y as f64;
+        let own = Plane::filled(1, 1, f64::from(range.pixel(x, y)));
+        let exact = lamp::airlight_reference(&own, &single, REFERENCE_NODES).pixel(0, 0);
+        let channels = fast.light.pixel(x, y).into_iter().zip(exact);
+        channels.map(|(got, exact)| {
+            (f64::from(got) - exact).abs() / (fast.left + fast.rounding + share * exact)
+        })
+    });
+    ratios.fold(0.0, f64::max)
+}
+
 #[test]
 fn no_spread_light_between_rays_errs_by_more_than_it_says() {
-    let frames = (0..WIDE_FRAMES).map(|seed| {
-        let Case { range, lighting } = wide_case(seed);
-        let fast = lamp::airlight(&range, &lighting, 1e-4);
-        let stream = Stream::stage(seed, "pixels");
-        let errors = (0..WIDE_PIXELS).map(|pixel| {
-            let at = |what: u64, count: usize| (stream.unit(pixel, what) * count as f64) as usize;
-            let (x, y) = (at(0, WIDE.0), at(1, WIDE.1));
-            let mut single = lighting.clone();
-            single.camera.cx -= x as f64;
-            single.camera.cy -= y as f64;
-            let own = Plane::filled(1, 1, f64::from(range.pixel(x, y)));
-            let exact = lamp::airlight_reference(&own, &single, REFERENCE_NODES).pixel(0, 0);
-            let channels = fast.light.pixel(x, y).into_iter().zip(exact);
-            channels
-                .map(|(got, exact)| (f64::from(got) - exact).abs())
-                .fold(0.0, f64::max)
-        });
-        (seed, fast.left + fast.rounding, errors.fold(0.0, f64::max))
+    let ratios = (0..WIDE_FRAMES).map(|seed| {
+        let case = wide_case(seed);
+        let fast = lamp::airlight(&case.range, &case.lighting, 1e-4);
+        largest_ratio(seed, &case, &fast, 0.0)
     });
-    let closest = closest(frames);
-    assert!(closest > 0.2, "{closest}");
+    let closest = ratios.fold(0.0, f64::max);
+    assert!(0.2 < closest && closest <= 1.0, "{closest}");
+}
+
+/// With next to no absolute tolerance the share decides which rays suffice.
+#[test]
+fn no_spread_light_errs_by_more_than_its_tolerated_share() {
+    for (absolute, relative) in [(1e-7, 2e-3), (1e-9, 0.05)] {
+        let (mut closest, mut without) = (0.0f64, 0.0f64);
+        for seed in 0..WIDE_FRAMES / 2 {
+            let case = wide_case(seed);
+            let tolerance = ErrorBound { absolute, relative };
+            let fast = lamp::airlight_within(f64::INFINITY, &case.range, &case.lighting, tolerance);
+            closest = closest.max(largest_ratio(seed, &case, &fast, relative));
+            without = without.max(largest_ratio(seed, &case, &fast, 0.0));
+        }
+        assert!(0.1 < closest && closest <= 1.0, "{relative}: {closest}");
+        assert!(without > 1.0, "no frame uses the share: {without}");
+    }
 }
 
 /// Four lamps next to the camera before a slope: the rounding of f32 is thousands of times below the light, and so is the bound.

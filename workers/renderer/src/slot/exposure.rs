@@ -42,14 +42,14 @@ impl Slot {
             let exposed = gathered
                 .map(|picture| watch.time("camera", || camera::expose(context, picture, known, &mut record)));
             let gain = exposed.as_ref().map(|exposed| exposed.gain);
-            let promise = context.plan.promise();
+            let promise = context.plan.promised_error();
             match (expected, promise) {
                 (Some(limit), Some(promise)) if limit.metering.is_some() && gain > Some(limit.gain) => {
                     expected = Some(Expected {
                         gain: AGAIN * gain.unwrap_or_default(),
                         ..limit
                     });
-                    promised = Some(promise.bound);
+                    promised = Some(promise);
                     self.kernels.recycle(light.layers);
                 }
                 _ => {

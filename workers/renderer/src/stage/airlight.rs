@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::lamp::{self, Airlight, Lighting, REFERENCE_NODES};
-use optics::plan::{ErrorBound, Stage, StageId, Use, Variant};
+use optics::plan::{Budget, ErrorBound, Stage, StageId, Use, Variant};
 
 use super::lamps::{self, PATCHES_NS, SHADOW_RAY_NS};
 use crate::assessment::Assessment;
@@ -38,11 +38,13 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
         true => bounds.rounding.min((1.0 - QUADRATURE) * share),
         false => bounds.rounding,
     };
+    let relative_share = tolerated_share(lighting, assessment.budget);
     let light = Stage {
         share: Some(share),
+        relative_share,
         bound: Some(ErrorBound {
             absolute: QUADRATURE * share + rounding,
-            relative: ROUNDING,
+            relative: ROUNDING + relative_share,
         }),
         ..Stage::new(StageId::Glow, assessment.variant("quadrature"))
     };
@@ -50,6 +52,15 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     let mut stages = vec![light.costing(ns, assessment.pixels())];
     stages.extend(assess_shadows(assessment, lighting));
     stages
+}
+
+/// The share of itself that the airlight may err by: only the quadrature of multiple scattering without shadows uses it.
+fn tolerated_share(lighting: &Lighting, budget: Budget) -> f64 {
+    if lighting.absorption.is_some() && !lamps::casts_into_water(lighting) {
+        budget.airlight_relative()
+    } else {
+        0.0
+    }
 }
 
 fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<Stage> {
@@ -76,7 +87,7 @@ pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     match stage.variant {
         Variant::Skip => None,
         Variant::Reference => Some(run_reference(context, lighting, range)),
-        _ => Some(run_fast(context, lighting, range, stage.share.unwrap_or_default()).light),
+        _ => Some(run_fast(context, lighting, range, stage).light),
     }
 }
 
@@ -89,13 +100,22 @@ fn run_reference(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<
     light.map(|&v| v as f32)
 }
 
-fn run_fast(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>, share: f64) -> Airlight {
+fn run_fast(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>, stage: &Stage) -> Airlight {
+    let share = stage.share.unwrap_or_default();
     let tolerance = QUADRATURE * share;
     match (context.plan.variant(StageId::GlowShadows), context.rays()) {
         (Variant::Shadows(shadows), Some(rays)) if shadows.lamps > 0 => {
             lamp::shaded_airlight(range, &shadows.lighting, tolerance, rays)
         }
-        _ => lamp::airlight_within(share - tolerance, range, lighting, tolerance),
+        _ => lamp::airlight_within(
+            share - tolerance,
+            range,
+            lighting,
+            ErrorBound {
+                absolute: tolerance,
+                relative: stage.relative_share,
+            },
+        ),
     }
 }
 

@@ -115,7 +115,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Sta
     let distance = card
         .table
         .map(|table| frame.alpha * (STEEPEST * table.max_255 / 255.0));
-    let share = assessment.tolerance;
+    let share = assessment.tolerance.map(|tolerance| tolerance.absolute);
     let is_near = distance
         .zip(share)
         .is_some_and(|(distance, share)| distance <= share);

@@ -48,9 +48,10 @@ impl StreamFrame {
         &self.record.plan
     }
 
-    /// Bound on the error of the exposed light; `None` if the job has no tolerance.
+    /// Bound on the error of the exposed light up to white; `None` if the job has no tolerance.
     #[must_use]
     pub fn error_bound(&self) -> Option<f64> {
-        self.record.promise.as_ref().map(|promise| promise.bound)
+        let promise = self.record.promise.as_ref()?;
+        Some(promise.bound + promise.relative)
     }
 }

@@ -71,7 +71,9 @@ fn record(frame: &Frame, pending: &[PendingArtifact]) -> FrameRecord {
 fn promise(bound: f64, text: &str) -> Promise {
     Promise {
         bound,
+        relative: 0.0,
         tolerance: 3e-4,
+        relative_tolerance: 0.0,
         unbounded: Vec::new(),
         exceeds: None,
         text: text.to_owned(),

@@ -57,8 +57,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let columns = ["stage", "variant", "terms", "bound", "gain", "cost_ms"];
     let rows = plan.stages.iter().map(|stage| {
-        let stage = json!(stage);
-        columns.map(|column| cell(&stage[column])).to_vec()
+        let printed = json!(stage);
+        let mut row = columns.map(|column| cell(&printed[column]));
+        if stage.relative_share > 0.0 {
+            row[3] = format!("{} + {:.2} %", row[3], 100.0 * stage.relative_share);
+        }
+        row.to_vec()
     });
     println!("{}", table(&columns, &rows.collect::<Vec<_>>()));
     let of_stages = |text: fn(&Stage) -> Option<String>| {

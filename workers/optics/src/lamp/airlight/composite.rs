@@ -3,7 +3,8 @@
 //!
 //! The error of a sum of n cells is estimated by its difference from the sum of n/2 cells, on the worst pixel of a run. With kinks
 //! the error falls as 1/n² at least, so the difference is three times the error. Two sums may agree by chance, but hardly three: a
-//! share of the previous difference is used if it is larger, and all of it if no sums agree within the tolerance.
+//! share of the previous difference is used if it is larger, and all of it if no sums agree within the tolerance. Differences count
+//! beyond the tolerated share of the light.
 
 use std::f32::consts::FRAC_PI_2;
 use std::f64::consts::PI;
@@ -44,7 +45,7 @@ fn nodes(cells: usize) -> Vec<[f32; 2]> {
     (0..2 * cells).map(node).collect()
 }
 
-/// The light of a lamp on a run of pixels, and the error bound of the quadrature.
+/// The light of a lamp on a run of pixels, and the error bound of the quadrature beyond the tolerated share of the light.
 pub(super) struct Sum {
     pub(super) light: [Lanes; 3],
     pub(super) left: f64,
@@ -66,12 +67,13 @@ pub(super) fn sum_up<const SPOT: bool>(lamp: &Glow, to: &Intervals, spacing: f32
         left: f64::INFINITY,
     };
     let mut before = f64::INFINITY;
+    let share = lamp.tolerated_share as f32;
     for next in first + 1..=HALVINGS {
         let finer = level::<SPOT>(lamp, to, next);
         let mut most = [0.0f32; RUN];
         for (coarse, fine) in sum.light.iter().zip(&finer) {
             for i in 0..RUN {
-                most[i] = most[i].max((fine[i] - coarse[i]).abs());
+                most[i] = most[i].max((-share).mul_add(fine[i], (fine[i] - coarse[i]).abs()));
             }
         }
         let differs = f64::from(extreme(&most, f32::max));

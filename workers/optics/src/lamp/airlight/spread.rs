@@ -22,6 +22,7 @@ use super::composite::{self, Sum};
 use super::integrand::SpreadNode;
 use super::intervals::{Intervals, Murk, Rays, extreme, intervals};
 use super::{Errors, Glow, Lanes, Order, RUN};
+use crate::error_bound::ErrorBound;
 use crate::lamp::{Lamp, Lighting};
 use crate::turbidity;
 use bends::ACROSS;
@@ -72,7 +73,10 @@ pub(super) fn add(
     let camera = &lighting.camera;
     // A separately integrated pixel has two sums of a spot.
     let each = match order {
-        Order::Within(tolerance) if lamp.is_spot() => Order::Within(0.5 * tolerance),
+        Order::Within(tolerance) if lamp.is_spot() => Order::Within(ErrorBound {
+            absolute: 0.5 * tolerance.absolute,
+            ..tolerance
+        }),
         order => order,
     };
     let spread = Glow::spread(lamp, lighting, each);
@@ -85,10 +89,8 @@ pub(super) fn add(
         murkiness: Murkiness::Even,
         lamp: spread.as_ref().unwrap_or(&direct),
         direct: &direct,
-        tolerance: match order {
-            Order::Within(tolerance) => READ * tolerance,
-            Order::Fixed(_) => 0.0,
-        },
+        tolerance: READ * order.tolerance().absolute,
+        tolerated_share: order.tolerance().relative as f32,
         cut: Cut {
             cells: 0,
             first: 0,
@@ -128,8 +130,9 @@ struct Frame<'a> {
     lamp: &'a Glow,
     /// Unscattered light; all light of a point lamp.
     direct: &'a Glow,
-    /// Tolerance of the interpolated light.
+    /// Tolerance of the interpolated light, and the share of it that it may err by in addition.
     tolerance: f64,
+    tolerated_share: f32,
     cut: Cut,
     rules: &'a [Vec<[f32; 2]>],
 }
@@ -158,7 +161,7 @@ impl Frame<'_> {
             self.cut = Cut { cells, first, used };
             let is_enough = [rows / 4, rows * 3 / 4].into_iter().all(|row| {
                 let lines = Line::of_rows(self, (STEP, row..row + 1), self.cut, &rays);
-                lines[0].left_by_cells(read) <= LEFT_BY_CELLS * self.tolerance
+                lines[0].left_by_cells(read, self.tolerated_share) <= LEFT_BY_CELLS * self.tolerance
             });
             if is_enough {
                 break;

@@ -50,7 +50,7 @@ impl Camera<'_> {
 pub(crate) fn assess_optics(
     context: &FrameContext<'_>,
     expected: Option<Expected>,
-    tolerance: Option<f64>,
+    tolerance: Option<ErrorBound>,
     peak: f64,
 ) -> Vec<Stage> {
     let Some(taking) = &context.taking else {
@@ -137,11 +137,11 @@ fn assess_defocus(camera: &Camera<'_>) -> Option<Stage> {
     })
 }
 
-fn assess_vignette(camera: &Camera<'_>, tolerance: Option<f64>) -> Option<Stage> {
+fn assess_vignette(camera: &Camera<'_>, tolerance: Option<ErrorBound>) -> Option<Stage> {
     let parts = &camera.taking.parts;
     let falloff = parts.falloff.as_ref()?;
     let change = falloff.strength(parts.size);
-    let share = tolerance.map(|tolerance| SHARE * tolerance);
+    let share = tolerance.map(|tolerance| SHARE * tolerance.absolute);
     if share.is_some_and(|share| change <= share) {
         return Some(Stage {
             share,
@@ -161,7 +161,7 @@ fn assess_vignette(camera: &Camera<'_>, tolerance: Option<f64>) -> Option<Stage>
     })
 }
 
-fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<f64>) -> Option<Stage> {
+fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<ErrorBound>) -> Option<Stage> {
     let parts = &camera.taking.parts;
     let variant = match parts.exposure? {
         Exposure::Fixed(_) => "fixed",
@@ -177,7 +177,7 @@ fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<f6
         },
         Some(metering) => Stage {
             bound: Some(ErrorBound::relative(rounding + exposure::luminance_rounding())),
-            gain: metered_gain(expected.gain, &metering, tolerance.unwrap_or(0.0)),
+            gain: metered_gain(expected.gain, &metering, tolerance.unwrap_or_default()),
             note: Some(format!(
                 "a factor of at most {:.3}, from a thinned picture",
                 expected.gain
@@ -191,8 +191,9 @@ fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<f6
 /// The gain of a metered exposure: an error of the light moves the metered luminance and with it the factor. Of light up to
 /// white, `|L g - L' g'| <= g e (1 + 1/t)` for an absolute error e, and twice any relative error; the quotient of both factors is at
 /// most `1/(1 - e g/t)`.
-fn metered_gain(gain: f64, metering: &Metering, tolerance: f64) -> Gain {
-    let quotient = 1.0 / (1.0 - (tolerance / metering.target).min(0.5));
+fn metered_gain(gain: f64, metering: &Metering, tolerance: ErrorBound) -> Gain {
+    let error = tolerance.bound_sample(metering.target);
+    let quotient = 1.0 / (1.0 - (error / metering.target).min(0.5));
     Gain {
         absolute: quotient * exposure::metered_slope(gain, metering, WHITE),
         relative: 2.0 * quotient,

@@ -4,7 +4,7 @@
 //! rays. The third differences show its error. Those at the two rays alone would miss a kink halfway between them, at which second
 //! differences are equal, so a pair of blocks is checked together, each with its possible kink.
 
-use imaging::simd::larger;
+use imaging::simd::{larger, smaller};
 
 use super::line::{Line, Ray, between_degrees, turns};
 use super::{BETWEEN_CELLS, BETWEEN_DEGREES, BETWEEN_RAYS, BETWEEN_RAYS_BENT, WITHIN_CELL};
@@ -55,12 +55,14 @@ impl<'a> Place<'a> {
         self.lines[line].in_degree(self.first + ray, degree)
     }
 
-    /// Error estimate in some cells; of linear interpolation if these are not `bent`.
-    pub(super) fn left(&self, cells: (usize, usize), is_bent: bool) -> f64 {
+    /// Error estimate in some cells beyond a share of the light that ends there; of linear interpolation if these are not `bent`.
+    pub(super) fn left(&self, cells: (usize, usize), is_bent: bool, share: f32) -> f64 {
         let degrees = self.lines[0].count();
-        let between = (0..degrees)
-            .map(|degree| self.between_rays(cells, degree, is_bent))
-            .fold(0.0, larger);
+        let mut between = [0.0f32; 3];
+        for degree in 0..degrees {
+            let worst = self.between_rays(cells, degree, is_bent);
+            between = [0, 1, 2].map(|i| larger(worst[i], between[i]));
+        }
         let next = (cells.0, self.lines[0].next(cells.1));
         let mut own = 0.0f32;
         for line in self.beside() {
@@ -75,11 +77,27 @@ impl<'a> Place<'a> {
                 own = larger(along + BETWEEN_DEGREES * degrees, own);
             }
         }
-        f64::from(between + own)
+        let least = self.least_light(cells.0);
+        let left = [0, 1, 2].map(|i| between[i] + own - share * least[i]);
+        f64::from(left.into_iter().fold(0.0, larger))
     }
 
-    /// Largest error estimate at the ends of some cells.
-    fn between_rays(&self, (first, last): (usize, usize), degree: usize, is_bent: bool) -> f32 {
+    /// The least light of the four rays up to a cell, in each channel.
+    fn least_light(&self, cell: usize) -> [f32; 3] {
+        let mut least = [f32::INFINITY; 3];
+        for line in self.beside() {
+            for ray in self.rays() {
+                for degree in line.ray(ray) {
+                    let light = degree.start(cell);
+                    least = [0, 1, 2].map(|i| smaller(light[i], least[i]));
+                }
+            }
+        }
+        least
+    }
+
+    /// Largest error estimate of each channel at the ends of some cells.
+    fn between_rays(&self, (first, last): (usize, usize), degree: usize, is_bent: bool) -> [f32; 4] {
         let [column, row] = self.at;
         let lines =
             [1, 2].map(|line| std::array::from_fn::<_, ACROSS, _>(|ray| self.ray(line + row, ray, degree)));
@@ -108,7 +126,7 @@ impl<'a> Place<'a> {
                 worst[i] = larger(left, worst[i]);
             }
         }
-        larger(larger(worst[0], worst[1]), worst[2])
+        worst
     }
 
     /// The second differences for interpolating the light of some cells.

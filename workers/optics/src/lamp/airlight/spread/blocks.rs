@@ -66,7 +66,8 @@ impl Frame<'_> {
         !matches!(self.murkiness, Murkiness::Degrees(_))
     }
 
-    /// Error estimate of a block whose rays end in some cells; `None` if it is above the limit.
+    /// Error estimate of a block whose rays end in some cells, beyond the tolerated share of its light; `None` if it is above the
+    /// limit.
     fn left(&self, place: Place<'_>, step: usize, cells: (usize, usize)) -> Option<f64> {
         let [top, bottom] = place.beside();
         let nearest_m = place
@@ -77,7 +78,8 @@ impl Frame<'_> {
         if self.turn(step, nearest_m) > SHARE_OF_CONE {
             return None;
         }
-        let left = place.left(cells, self.is_bent()) * f64::from(self.murkiness.most_source());
+        let left = place.left(cells, self.is_bent(), self.tolerated_share)
+            * f64::from(self.murkiness.most_source());
         (left <= self.tolerance).then_some(left)
     }
 

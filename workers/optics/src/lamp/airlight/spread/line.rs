@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use imaging::simd::larger;
+use imaging::simd::{larger, smaller};
 use imaging::vectorized;
 
 use super::super::intervals::Rays;
@@ -48,6 +48,13 @@ impl<'a> Ray<'a> {
     pub(super) fn end(&self, cell: usize) -> [f32; 4] {
         let at = self.at(cell);
         [at[END], at[END + 1], at[END + 2], at[BUMPS]]
+    }
+
+    /// The sum up to the start of a cell.
+    #[inline(always)]
+    pub(super) fn start(&self, cell: usize) -> [f32; 3] {
+        let at = self.at(cell);
+        [at[0], at[1], at[2]]
     }
 
     /// Largest third difference up to a cell.
@@ -154,13 +161,17 @@ impl Line {
         self.distance[self.slots[ray]]
     }
 
-    /// Quadrature error of these cells of all rays, and of those before.
-    pub(super) fn left_by_cells(&self, cells: (usize, usize)) -> f64 {
+    /// Quadrature error of these cells of all rays, and of those before, beyond a share of the light up to them.
+    pub(super) fn left_by_cells(&self, cells: (usize, usize), share: f32) -> f64 {
         let next = (cells.0, self.next(cells.1));
         let asked = (0..self.slots.len()).filter(|&ray| self.slots[ray] != usize::MAX);
         let left = asked
             .flat_map(|ray| self.ray(ray))
-            .map(|ray| BETWEEN_CELLS * ray.bumps(next.1) + WITHIN_CELL * turns(ray, next));
+            .map(|ray| {
+                let [r, g, b] = ray.start(cells.0);
+                let least = smaller(smaller(r, g), b);
+                BETWEEN_CELLS * ray.bumps(next.1) + WITHIN_CELL * turns(ray, next) - share * least
+            });
         f64::from(left.fold(0.0, f32::max))
     }
 }
