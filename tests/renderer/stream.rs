@@ -123,7 +123,10 @@ fn a_frame_is_that_of_a_job_over_the_same_files() {
     assert_eq!(frame.plan(), &expected.record.plan);
     assert_eq!(
         frame.error_bound(),
-        expected.record.promise.map(|promise| promise.bound + promise.relative)
+        expected
+            .record
+            .promise
+            .map(|promise| promise.bound + promise.relative)
     );
     let Some(Content::Range(range)) = frame.content(&ArtifactKind::Range) else {
         panic!("no range")

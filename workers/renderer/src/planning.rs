@@ -2,8 +2,8 @@
 
 use optics::lamp::{self, AirlightBounds, SurfaceBounds};
 use optics::plan::{
-    Budget, Conditions, ErrorBound, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind, compose,
-    frame_tolerance,
+    Budget, Conditions, ErrorBound, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind,
+    compose, frame_tolerance,
 };
 use optics::setting::Setting;
 use optics::visible_bounds::TILE_PX;
@@ -69,11 +69,7 @@ pub(crate) fn plan_frame(
 
 /// Plans the light before the camera. If all bounds together exceed the tolerance, stages that may be more accurate get smaller
 /// shares, unless even that is not enough.
-fn assess_light(
-    assessment: &mut Assessment<'_>,
-    target: Option<ErrorBound>,
-    camera: &[Stage],
-) -> Vec<Stage> {
+fn assess_light(assessment: &mut Assessment<'_>, target: Option<ErrorBound>, camera: &[Stage]) -> Vec<Stage> {
     let stages = pipeline::assess(assessment);
     let is_within = |stages: &[Stage]| {
         let errors = compose(stages.iter().chain(camera).filter(|stage| stage.id.is_promised()));

@@ -225,7 +225,10 @@ impl Evidence<'_> {
                     "/promise names more than {WARNINGS} stages, or has a text beyond {WARNING_BYTES} bytes"
                 ));
             }
-            let least = promise.bound.min(promise.relative).min(promise.relative_tolerance);
+            let least = promise
+                .bound
+                .min(promise.relative)
+                .min(promise.relative_tolerance);
             if least < 0.0 || promise.tolerance <= 0.0 {
                 faults.push("/promise has a bound below 0 or a tolerance of 0 or less".to_owned());
             }

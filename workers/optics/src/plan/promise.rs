@@ -19,7 +19,10 @@ impl Plan {
     pub fn promise(&self) -> Option<Promise> {
         let tolerance = self.tolerance?;
         let error = self.promised_error()?;
-        let ErrorBound { absolute: bound, relative } = error;
+        let ErrorBound {
+            absolute: bound,
+            relative,
+        } = error;
         let unbounded: Vec<_> = self.unbounded().map(|id| id.name().to_owned()).collect();
         let apart = if unbounded.is_empty() {
             String::new()
@@ -121,7 +124,11 @@ impl Plan {
                     .channel()
                     .is_none_or(|channel| own.is_none_or(|own| own == channel))
             }));
-            promised[at].bound.unwrap_or_default().behind(gain).bound_sample(light)
+            promised[at]
+                .bound
+                .unwrap_or_default()
+                .behind(gain)
+                .bound_sample(light)
         };
         let shares = (0..promised.len()).map(|at| (promised[at].id, share(at)));
         shares.max_by(|a, b| a.1.total_cmp(&b.1))
@@ -218,16 +225,24 @@ mod tests {
         assert_eq!(promise.exceeds, None, "{promise:?}");
         assert!((promise.relative - 2.0001e-3).abs() < 1e-9, "{promise:?}");
         assert!(
-            promise.text.contains("within 2.00e-4 plus 0.20 % of its own light of the exact chain."),
+            promise
+                .text
+                .contains("within 2.00e-4 plus 0.20 % of its own light of the exact chain."),
             "{}",
             promise.text
         );
         plan.stages[0].bound = Some(ErrorBound::absolute(2e-5));
         let exceeds = plan.promise().unwrap().exceeds.unwrap();
-        assert!(exceeds.contains("4.00e-4 and the tolerance is 2.90e-4"), "{exceeds}");
+        assert!(
+            exceeds.contains("4.00e-4 and the tolerance is 2.90e-4"),
+            "{exceeds}"
+        );
         plan.stages[0].bound = Some(ErrorBound::relative(5e-3));
         let exceeds = plan.promise().unwrap().exceeds.unwrap();
-        assert!(exceeds.contains("5.00e-3 and the tolerance is 4.29e-3"), "{exceeds}");
+        assert!(
+            exceeds.contains("5.00e-3 and the tolerance is 4.29e-3"),
+            "{exceeds}"
+        );
     }
 
     #[test]

@@ -40,7 +40,9 @@ impl Budget {
     pub fn new(tolerance: Option<ErrorBound>, camera: &[Stage]) -> Self {
         let exposed = || camera.iter().filter(|stage| stage.id.is_promised());
         let gain = compose_gain(exposed());
-        let own = compose(exposed()).into_iter().fold(ErrorBound::EXACT, ErrorBound::greater);
+        let own = compose(exposed())
+            .into_iter()
+            .fold(ErrorBound::EXACT, ErrorBound::greater);
         let asked = tolerance.unwrap_or(ErrorBound::absolute(DEFAULT_TOLERANCE));
         // What the tolerated share of a sample does not cover counts as in white.
         let uncovered = own.absolute + (own.relative - asked.relative).max(0.0);

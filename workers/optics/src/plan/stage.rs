@@ -268,7 +268,10 @@ impl Serialize for Stage {
         };
         entry("share", self.share)?;
         entry("bound", self.printed_bound())?;
-        entry("relative_share", Some(self.relative_share).filter(|share| *share > 0.0))?;
+        entry(
+            "relative_share",
+            Some(self.relative_share).filter(|share| *share > 0.0),
+        )?;
         entry("gain", self.printed_gain())?;
         entry("cost_ms", self.cost_ms)?;
         if let Some(terms) = self.terms {

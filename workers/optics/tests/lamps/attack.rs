@@ -4,7 +4,9 @@
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, Airlight, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, backscatter_fraction};
+use optics::lamp::{
+    self, Airlight, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, backscatter_fraction,
+};
 use optics::plan::ErrorBound;
 use optics::snow::World;
 use optics::turbidity::Field;
@@ -291,9 +293,8 @@ fn largest_ratio(seed: u64, Case { range, lighting }: &Case, fast: &Airlight, sh
         let own = Plane::filled(1, 1, f64::from(range.pixel(x, y)));
         let exact = lamp::airlight_reference(&own, &single, REFERENCE_NODES).pixel(0, 0);
         let channels = fast.light.pixel(x, y).into_iter().zip(exact);
-        channels.map(|(got, exact)| {
-            (f64::from(got) - exact).abs() / (fast.left + fast.rounding + share * exact)
-        })
+        channels
+            .map(|(got, exact)| (f64::from(got) - exact).abs() / (fast.left + fast.rounding + share * exact))
     });
     ratios.fold(0.0, f64::max)
 }

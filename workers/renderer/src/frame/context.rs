@@ -41,6 +41,8 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) shutter: Shutter,
     /// The camera; `None` for a pinhole, which shows the scene unchanged.
     pub(crate) taking: Option<Taking>,
+    /// Nodes of the airlight on each ray; `None`: as many as its tolerance needs.
+    pub(crate) airlight_nodes: Option<usize>,
     /// The omitted effects, applied to all of the above.
     pub(crate) effects: Effects,
     pub(crate) plan: Plan,
@@ -80,6 +82,7 @@ impl<'a> FrameContext<'a> {
                 .and_then(|(path, range)| patches::measure_paths(path, range)),
             patchy,
             pattern: None,
+            airlight_nodes: None,
             effects: Effects::default(),
             view,
             taking,

@@ -20,6 +20,10 @@ use crate::{pipeline, record};
 /// Reserve of the second plan of a frame whose metered factor exceeds the expected one.
 const AGAIN: f64 = 1.05;
 
+/// Nodes of the airlight in a metered, thinned picture. Adjacent rays are too far apart to share nodes, and a few per cent of their light
+/// do not matter beside the margin for thinning.
+const METERING_NODES: usize = 16;
+
 impl Slot {
     /// Plans, renders and exposes a frame. If the metered factor exceeds the expected one, plans for it and renders again within the
     /// bound of the first plan.
@@ -206,6 +210,7 @@ impl Slot {
         let mut context = FrameContext::new(frame, prepared, 0.0, &mut self.thin.resources, unused)?;
         // In a thinned picture a slope has edges, too.
         context.setting.leave_out(StageId::Occlusion);
+        context.airlight_nodes = Some(METERING_NODES);
         context.plan = plan_frame(&context, None, None, &self.networks.engine)?;
         let unused = &mut FrameRecord::default();
         let light = pipeline::render(&context, &mut self.thin.kernels, unused, &mut Stopwatch::start())?;

@@ -87,6 +87,9 @@ pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     match stage.variant {
         Variant::Skip => None,
         Variant::Reference => Some(run_reference(context, lighting, range)),
+        _ if let Some(nodes) = context.airlight_nodes => {
+            Some(lamp::airlight_with_nodes(range, lighting, nodes))
+        }
         _ => Some(run_fast(context, lighting, range, stage).light),
     }
 }

@@ -15,6 +15,8 @@ use crate::stage::surroundings::Surroundings;
 /// Costs in ns: per pixel, and per visible particle.
 const SNOW_NS: f64 = 19.6;
 const PARTICLE_NS: f64 = 700.0;
+/// How far beyond the picture the middle of a visible disc may be, in sides.
+const BEYOND: f64 = 0.5;
 /// Rounding error of f32 for a pixel with overlapping particles; twice the largest error seen with thousands in one pixel.
 const ROUNDING: f64 = 4e-6;
 /// The same for light behind an opaque particle: a few roundings.
@@ -70,11 +72,8 @@ pub(crate) fn bound_flakes(context: &FrameContext<'_>) -> f64 {
     let lamps = (context.setting.lighting.as_ref()).map_or([0.0; 3], |lighting| {
         lamp::most_white_beyond(lighting, view, law.near_m)
     });
-    let gain = context.setting.gain();
-    let above = context
-        .setting
-        .daylight_at(context.setting.up.map(|v| law.far_m * v));
-    let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] * above[i] + lamps[i]));
+    let around = most_around(context, law);
+    let colors = [0, 1, 2].map(|i| law.albedo[i] * (around[i] + lamps[i]));
     colors.into_iter().fold(0.0, f64::max)
 }
 
@@ -139,6 +138,20 @@ fn fall(
     let numbers = json!({"particles": particles, "cover": cover});
     record.optics.insert("snow".to_owned(), numbers);
     fallen.map(|fallen| fallen.mask)
+}
+
+/// Upper bound of the light around white particles: of those farthest up, in a corner of the view. Discs reach into the picture from
+/// beyond its sides.
+fn most_around(context: &FrameContext<'_>, law: &Snow) -> [f64; 3] {
+    let setting = &context.setting;
+    let (width, height) = setting.size;
+    let [columns, rows] = [width, height].map(|side| [-BEYOND, 1.0 + BEYOND].map(|at| at * side as f64));
+    let corners = columns.into_iter().flat_map(|x| rows.map(|y| (x, y)));
+    let lengths = corners.map(|(x, y)| setting.eye.camera.ray(x, y).length());
+    let farthest_m = law.far_m * lengths.fold(1.0, f64::max);
+    let above = setting.daylight_at(setting.up.map(|v| farthest_m * v));
+    let gain = setting.gain();
+    [0, 1, 2].map(|i| gain[i] * above[i])
 }
 
 /// Particles with their light, in their order.

@@ -78,8 +78,8 @@ impl Frame<'_> {
         if self.turn(step, nearest_m) > SHARE_OF_CONE {
             return None;
         }
-        let left = place.left(cells, self.is_bent(), self.tolerated_share)
-            * f64::from(self.murkiness.most_source());
+        let left =
+            place.left(cells, self.is_bent(), self.tolerated_share) * f64::from(self.murkiness.most_source());
         (left <= self.tolerance).then_some(left)
     }
 

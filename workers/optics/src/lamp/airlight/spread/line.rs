@@ -165,13 +165,11 @@ impl Line {
     pub(super) fn left_by_cells(&self, cells: (usize, usize), share: f32) -> f64 {
         let next = (cells.0, self.next(cells.1));
         let asked = (0..self.slots.len()).filter(|&ray| self.slots[ray] != usize::MAX);
-        let left = asked
-            .flat_map(|ray| self.ray(ray))
-            .map(|ray| {
-                let [r, g, b] = ray.start(cells.0);
-                let least = smaller(smaller(r, g), b);
-                BETWEEN_CELLS * ray.bumps(next.1) + WITHIN_CELL * turns(ray, next) - share * least
-            });
+        let left = asked.flat_map(|ray| self.ray(ray)).map(|ray| {
+            let [r, g, b] = ray.start(cells.0);
+            let least = smaller(smaller(r, g), b);
+            BETWEEN_CELLS * ray.bumps(next.1) + WITHIN_CELL * turns(ray, next) - share * least
+        });
         f64::from(left.fold(0.0, f32::max))
     }
 }
