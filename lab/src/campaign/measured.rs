@@ -56,7 +56,7 @@ pub(super) struct Measured {
 pub(super) struct PictureError {
     /// Largest difference of 8-bit codes.
     pub(super) codes: u8,
-    /// Largest error of a sample over what the plan promises for it.
+    /// Largest error of a sample over its bound, which grows with the sample.
     pub(super) ratio: f64,
 }
 

@@ -197,7 +197,7 @@ class Compose {
     const { planTable } = await import("./record.js");
     const isOpen = this.plan.querySelector("details")?.open ?? false;
     const { promise } = record;
-    const share = promise?.relative ? ` plus ${number(100 * promise.relative, 2)} % of its light` : "";
+    const share = promise?.relative ? ` plus ${number(100 * promise.relative, 2)} % of its value` : "";
     const bound = promise ? `error at most ${number(promise.bound, 2)}${share}, ` : "";
     put(this.plan, h("details.panel", { open: isOpen }, h("summary", {}, `Plan of this frame: ${bound}`
       + `${number(record.timings_ms?.total ?? 0, 3)} ms`), planTable(record)));

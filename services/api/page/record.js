@@ -95,7 +95,7 @@ export function planTable(record) {
   const times = Object.entries(record.timings_ms ?? {}).filter(([name, ms]) => name !== "total" && ms >= 0.05).sort((a, b) => b[1] - a[1]);
   const total = record.timings_ms?.total ?? times.reduce((sum, [, ms]) => sum + ms, 0);
   return [table(["stage", "variant", "bound", "tolerance", "planned ms"], rows, { label: "Plan" }),
-    h("p.quiet", {}, `${skipped} stages are skipped. A bound is the largest error in linear light at the output of its stage; a percentage is of its own light.`),
+    h("p.quiet", {}, `${skipped} stages are skipped. A bound is the largest error in linear light at the output of its stage; a percentage is a share of that light.`),
     record.promise ? h("p", {}, record.promise.text) : null,
     record.promise?.exceeds ? h("p.bad", {}, `The plan exceeds the tolerance: ${record.promise.exceeds}.`) : null,
     h("p", {}, `Time ${number(total, 3)} ms:`),

@@ -93,8 +93,8 @@ def plan(job: Job | Mapping[str, Any] | str | os.PathLike[str], index: int = 0) 
     """Return the plan of a frame, with the keys of its record.
 
     `plan` lists every stage with its variant, error bound, gain and expected cost in ms. `promise` holds the `bound`
-    on the error of the exposed light, the share of its own light (`relative`) that a sample may err by in addition, the
-    tolerances of both, and a sentence, `text`; `None` if the job asks for no tolerance.
+    on the error of the exposed light and its `relative` part, a share of the sample, the tolerances of both, and a
+    sentence, `text`; `None` if the job asks for no tolerance.
     """
     return _job(job).plan(index)
 

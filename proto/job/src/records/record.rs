@@ -54,15 +54,14 @@ pub struct RecordOf<V, M> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = PromisedError)]
 pub struct Promise {
-    /// The maximum error of any sample of the exposed light, black to white, against the exact chain in f64; if `relative` is above 0,
-    /// without that share.
+    /// The maximum error of any sample of the exposed light, black to white, against the exact chain in f64, without its relative part.
     pub bound: f64,
-    /// The share of its own light by which a sample may err in addition.
+    /// The relative part of the error, as a share of the sample; 0 if the tolerance has none.
     #[serde(default)]
     pub relative: f64,
     /// The tolerance of the frame.
     pub tolerance: f64,
-    /// The tolerated share of its own light by which a sample may err in addition.
+    /// The relative part of the tolerance, as a share of the sample.
     #[serde(default)]
     pub relative_tolerance: f64,
     /// Stages without a bound; absent without any.

@@ -107,7 +107,7 @@ enum Order {
 }
 
 impl Order {
-    /// The tolerated error of one lamp; none for a fixed count.
+    /// The tolerated error of one lamp; 0 with a fixed count.
     fn tolerance(self) -> ErrorBound {
         match self {
             Self::Within(tolerance) => tolerance,

@@ -15,12 +15,12 @@ const NOISE_PEAK: f64 = 5.0;
 pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
 /// An error up to this changes 8-bit codes by at most one, even in black.
 const DARK: f64 = 1.0 / 255.0 / 12.92;
-/// The light from which on the slope of the transfer curve falls with light.
+/// Above this light the slope of the transfer curve falls.
 const FOOT: f64 = 0.003_130_8;
 /// The slope of the transfer curve falls with this power of the light; width of a code in white.
 const SLOPE_POWER: f64 = -0.5833;
 const WHITE_CODE: f64 = 1.0 / 255.0 / 0.4396;
-/// Share of its own light that a sample may also err by: half of a code in white. In between a code is wider than a line.
+/// Relative part of the tolerance: half of a code in white. In between a code is wider than a line.
 const RELATIVE: f64 = 4e-3;
 
 /// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference. Errors up to

@@ -31,12 +31,12 @@ impl Plan {
         };
         let exceeds = self.find_excess(error, tolerance);
         let share = if relative > 0.0 {
-            format!(" plus {:.2} % of its own light", 100.0 * relative)
+            format!(" plus {:.2} % of its value", 100.0 * relative)
         } else {
             String::new()
         };
         let text = format!(
-            "Every sample of the exposed light, from black to white, is within {bound:.2e}{share} of the exact chain{apart}."
+            "Every sample of the exposed light, from black to white, differs from the exact chain by at most {bound:.2e}{share}{apart}."
         );
         Some(Promise {
             bound,
@@ -190,7 +190,7 @@ mod tests {
         assert!((promise.bound - (2e-4 + 1e-7)).abs() < 1e-12, "{promise:?}");
         assert_eq!(promise.exceeds, None);
         assert!(
-            promise.text.contains("within 2.00e-4 of the exact chain."),
+            promise.text.ends_with("from the exact chain by at most 2.00e-4."),
             "{}",
             promise.text
         );
@@ -227,7 +227,7 @@ mod tests {
         assert!(
             promise
                 .text
-                .contains("within 2.00e-4 plus 0.20 % of its own light of the exact chain."),
+                .ends_with("by at most 2.00e-4 plus 0.20 % of its value."),
             "{}",
             promise.text
         );
@@ -249,7 +249,7 @@ mod tests {
     fn no_promise_is_above_white() {
         let promise = plan(1e7, 20.0).promise().unwrap();
         assert_eq!(promise.bound, 1.0);
-        assert!(promise.text.contains("within 1.00e0"), "{}", promise.text);
+        assert!(promise.text.contains("at most 1.00e0"), "{}", promise.text);
         let exceeds = promise.exceeds.unwrap();
         assert!(
             exceeds.contains("add up to 1.00e0") && exceeds.contains("(1.00e0) from lamps"),

@@ -5,7 +5,7 @@ use super::{ErrorBound, Gain, Stage, StageId};
 
 /// Share of airlight, for quadrature and rounding: more nodes cost little compared with more kernels.
 const AIRLIGHT: f64 = 0.25;
-/// Part of the tolerated share of a sample's own light for airlight; the rest is for rounding.
+/// Part of the relative tolerance for airlight; the rest is for rounding.
 const AIRLIGHT_RELATIVE: f64 = 0.9;
 /// Share of rounding of the light of lamps on surfaces. Pixels that would lose more are computed in f64.
 const LAMP_ROUNDING: f64 = 0.125;
@@ -44,7 +44,7 @@ impl Budget {
             .into_iter()
             .fold(ErrorBound::EXACT, ErrorBound::greater);
         let asked = tolerance.unwrap_or(ErrorBound::absolute(DEFAULT_TOLERANCE));
-        // What the tolerated share of a sample does not cover counts as in white.
+        // Relative errors beyond the relative tolerance count as in white.
         let uncovered = own.absolute + (own.relative - asked.relative).max(0.0);
         Self {
             tolerance,
@@ -76,7 +76,7 @@ impl Budget {
         AIRLIGHT * self.part * self.whole
     }
 
-    /// The share of itself that airlight may err by in addition.
+    /// The relative error that airlight may have in addition.
     #[must_use]
     pub fn airlight_relative(&self) -> f64 {
         AIRLIGHT_RELATIVE * self.relative / self.gain.relative

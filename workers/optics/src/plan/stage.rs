@@ -201,7 +201,7 @@ pub struct Stage {
     pub terms: Option<usize>,
     /// Part of the tolerance assigned to it, at its output.
     pub share: Option<f64>,
-    /// Share of its own light that it may err by in addition; part of the relative bound.
+    /// Part of the relative tolerance assigned to it, included in the relative bound.
     pub relative_share: f64,
     /// The largest error that it adds at its output; `None` without a bound.
     pub bound: Option<ErrorBound>,
@@ -288,7 +288,7 @@ impl Serialize for Stage {
 }
 
 impl Stage {
-    /// The printed bound, for light up to white but without the relative share; `None` of stages without one.
+    /// The printed bound, for light up to white, without the relative share; `None` of stages without one.
     fn printed_bound(&self) -> Option<f64> {
         self.bound
             .map(|bound| bound.up_to_white() - self.relative_share)

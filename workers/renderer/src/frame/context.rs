@@ -41,7 +41,7 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) shutter: Shutter,
     /// The camera; `None` for a pinhole, which shows the scene unchanged.
     pub(crate) taking: Option<Taking>,
-    /// Nodes of the airlight on each ray; `None`: as many as its tolerance needs.
+    /// Nodes of the airlight on each ray; `None` if its tolerance determines them.
     pub(crate) airlight_nodes: Option<usize>,
     /// The omitted effects, applied to all of the above.
     pub(crate) effects: Effects,

@@ -54,7 +54,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     stages
 }
 
-/// The share of itself that the airlight may err by: only the quadrature of multiple scattering without shadows uses it.
+/// The relative part of the airlight's tolerance: only the quadrature of multiple scattering without shadows uses one.
 fn tolerated_share(lighting: &Lighting, budget: Budget) -> f64 {
     if lighting.absorption.is_some() && !lamps::casts_into_water(lighting) {
         budget.airlight_relative()
