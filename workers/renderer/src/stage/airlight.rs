@@ -35,17 +35,20 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     };
     // Pixels with a larger rounding error are computed in f64.
     let rounding = match lighting.absorption.is_none() && !lamps::casts_into_water(lighting) {
-        true => bounds.rounding.min((1.0 - QUADRATURE) * share),
+        true => {
+            let most = bounds.rounding.bound_sample(bounds.brightest());
+            ErrorBound::absolute(most.min((1.0 - QUADRATURE) * share))
+        }
         false => bounds.rounding,
     };
     let relative_share = tolerated_share(lighting, assessment.budget);
     let light = Stage {
         share: Some(share),
         relative_share,
-        bound: Some(ErrorBound {
-            absolute: QUADRATURE * share + rounding,
+        bound: Some(rounding.plus(ErrorBound {
+            absolute: QUADRATURE * share,
             relative: ROUNDING + relative_share,
-        }),
+        })),
         ..Stage::new(StageId::Glow, assessment.variant("quadrature"))
     };
     let ns = lighting.lamps.len() as f64 * (AIRLIGHT_NS + patches);

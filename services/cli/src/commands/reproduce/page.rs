@@ -40,7 +40,7 @@ const CAPTIONS: &str = "The authors' pictures, captions and frames are not inclu
     follow the order of that description. Every picture is rendered by this program from the job below its figure.";
 const TABLE_NOTE: &str = "Mean, standard deviation in parentheses, published numbers below. The published frames are \
     photographs that are not public; these are simulated like those of Figure 10, so compare order and magnitude, not \
-    digits. Noise of the sensor and fine texture raise UISM. UIConM divides by the darkest pixels of small blocks: \
+    digits. Light uniformity is 1 for an evenly lit picture. Noise of the sensor and fine texture raise UISM. UIConM divides by the darkest pixels of small blocks: \
     single dark pixels next to bright ones change it more than the method does. Published seconds are from the authors' \
     machine; the command prints those of yours.";
 
@@ -138,7 +138,7 @@ fn write_table(table: &MeasuredTable) -> String {
          <tr><th>Method</th>{head}<th class=\"number\">s, published</th><th>What differs, besides the frames</th></tr>\n\
          {published}</table></div>\n\
          <p>The same frames in the usual arithmetic (profile <code>panetta</code>):</p>\n<div class=\"wide\"><table>\n\
-         <tr><th>Method</th>{head}<th class=\"number\">Frames with a warning</th></tr>\n{usual}</table></div>\n{}</section>\n",
+         <tr><th>Method</th>{head}<th class=\"number\">Light uniformity</th><th class=\"number\">Frames with a warning</th></tr>\n{usual}</table></div>\n{}</section>\n",
         table.frames,
         write_jobs(std::slice::from_ref(&table.job)),
     )

@@ -15,8 +15,8 @@ pub(super) const METRICS: [&str; 5] = [
     "uiconm@table1",
     "uiqm@table1",
 ];
-/// The same metrics in the profile that other commands use by default.
-pub(super) const USUAL_METRICS: [&str; 5] = ["entropy", "uicm", "uism", "uiconm", "uiqm"];
+/// The same metrics in the profile that other commands use by default, and the evenness of the illumination, the aim of HSCM.
+pub(super) const USUAL_METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "light_uniformity"];
 
 /// A row of the table.
 pub(super) struct Method {
@@ -260,7 +260,7 @@ mod tests {
         assert_eq!(summaries.len(), METHODS.len());
         for summary in &summaries {
             let spreads = summary.published_profile.iter().chain(&summary.usual_profile);
-            assert_eq!(spreads.clone().count(), 10);
+            assert_eq!(spreads.clone().count(), METRICS.len() + USUAL_METRICS.len());
             assert!(
                 spreads
                     .clone()

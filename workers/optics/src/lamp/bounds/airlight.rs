@@ -6,6 +6,7 @@ use super::cone::{Cone, Passing};
 use super::factor::Factor;
 use super::profile::{MARGIN, Profile, largest_sine};
 use super::{FADE, STEP, most_decayed};
+use crate::error_bound::ErrorBound;
 use crate::visible_bounds::VisibleBounds;
 
 /// Side of a block of rays in tiles of the view. One bound holds for all rays of a block.
@@ -25,6 +26,9 @@ const SWOLLEN: f64 = 6.0;
 const MOST_SWELL: f64 = 1.617;
 /// Rounding of f32 in the position on an interpolated ray, as a share of the ray.
 const PLACE: f64 = 1e-6;
+/// Two cells of an interpolated ray, in angle about the lamp: the one that a pixel ends in, and one more for rays beside it. A cell is
+/// a sixteenth of w at most, and the angle changes by four times w at most.
+const END_CELLS: f64 = 2.0 * 4.0 / 16.0;
 /// Error of the blurred profile in f32: alone, and by the slope of the profile.
 const BLUR: [f64; 2] = [1e-6, 4e-7];
 
@@ -34,7 +38,7 @@ pub struct AirlightBounds {
     /// Upper bound of the airlight of a pixel, without quadrature error.
     pub peak: [f64; 3],
     /// Upper bound of the difference from the reference in any channel, without quadrature error and shadow edges.
-    pub rounding: f64,
+    pub rounding: ErrorBound,
 }
 
 impl AirlightBounds {
@@ -65,7 +69,7 @@ struct Blocks {
 #[derive(Debug, Clone, Copy, Default)]
 struct Glow {
     light: [f64; 3],
-    rounding: f64,
+    rounding: ErrorBound,
 }
 
 impl Blocks {
@@ -83,17 +87,23 @@ impl Blocks {
             for lamp in &lamps {
                 let own = lamp.on_rays(cone, [nearest, farthest]);
                 sum.light = [0, 1, 2].map(|i| sum.light[i] + own.light[i]);
-                sum.rounding += own.rounding + STEP * sum.light.into_iter().fold(0.0, f64::max);
+                // The greatest share of the light of any lamp is one of their sum, too.
+                sum.rounding = ErrorBound {
+                    absolute: sum.rounding.absolute + own.rounding.absolute,
+                    relative: sum.rounding.relative.max(own.rounding.relative),
+                };
             }
-            sum.light = sum.light.map(|light| light + sum.rounding);
+            sum.rounding.relative += STEP * lamps.len() as f64;
+            sum.light = sum.light.map(|light| light + sum.rounding.bound_sample(light));
             sum
         });
         Self { all: all.collect() }
     }
 
     /// The most that f32 may change of any pixel.
-    fn rounding(&self) -> f64 {
-        self.all.iter().map(|block| block.rounding).fold(0.0, f64::max)
+    fn rounding(&self) -> ErrorBound {
+        let roundings = self.all.iter().map(|block| block.rounding);
+        roundings.fold(ErrorBound::EXACT, ErrorBound::greater)
     }
 }
 
@@ -153,7 +163,9 @@ impl<'a> Bounded<'a> {
         let beside = passing.beside_m();
         let (first, last) = (passing.angle_at(0.0), passing.angle_at(farthest));
         let step = (last - first) / SEGMENTS as f64;
-        let (mut glow, mut most, mut at_end) = (Glow::default(), 0.0f64, 0.0f64);
+        let end_cells_m = passing.least_range_before(nearest, END_CELLS);
+        let (mut glow, mut most) = (Glow::default(), 0.0f64);
+        let (mut at_end, mut in_end_cells) = (0.0f64, 0.0f64);
         let (mut from, mut errors) = (0.0, 0.0);
         for segment in 1..=SEGMENTS {
             let to = match segment {
@@ -183,16 +195,20 @@ impl<'a> Bounded<'a> {
             if to >= nearest {
                 at_end = at_end.max(greatest);
             }
+            if to >= end_cells_m {
+                in_end_cells = in_end_cells.max(greatest);
+            }
             from = to;
         }
         glow.light = glow.light.map(|light| source[1] * light * (1.0 + 1e-6));
         let least_end = passing.least_distance([nearest.min(1e9), farthest]);
         let ends = most * (ANGLE * STEP + self.way_m / self.away_m.max(beside))
             + at_end * ((ANGLE + 1.0) * STEP + self.way_m / least_end)
-            + self.read(most);
-        let greatest = glow.light.into_iter().fold(0.0, f64::max);
-        glow.rounding =
-            source[1] * (ends / beside + errors) + greatest * self.shares(&passing, factors, farthest);
+            + self.read(in_end_cells);
+        glow.rounding = ErrorBound {
+            absolute: source[1] * (ends / beside + errors),
+            relative: self.shares(&passing, factors, farthest),
+        };
         glow
     }
 

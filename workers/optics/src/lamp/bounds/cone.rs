@@ -132,6 +132,29 @@ impl Passing {
         ((range_m - self.central_m) / beside).atan()
     }
 
+    /// Least range of a point that lies this angle about the lamp before a range, on any ray.
+    ///
+    /// On a ray that passes the lamp at the distance D and the range t it is `t + D (x − D tan a)/(D + x tan a)`, with x the range
+    /// behind t. In D, and in t, this rises to one maximum, so the extreme rays bound it.
+    pub(super) fn least_range_before(&self, range_m: f64, angle: f64) -> f64 {
+        let tangent = angle.tan();
+        let beside = [self.beside_m(), self.most_beside_m()];
+        let ranges = beside.into_iter().flat_map(|beside| {
+            self.nearest_m().map(|along| {
+                let behind = range_m - along;
+                let opened = beside + behind * tangent;
+                if range_m.is_infinite() {
+                    along + beside / tangent
+                } else if opened <= 0.0 {
+                    0.0
+                } else {
+                    along + beside * (behind - beside * tangent) / opened
+                }
+            })
+        });
+        ranges.fold(f64::INFINITY, f64::min).max(0.0)
+    }
+
     /// Distance from the lamp at a range on the rays nearest to it (0) or farthest from it (1).
     fn distance(&self, range_m: f64, end: usize) -> f64 {
         if range_m.is_infinite() {
