@@ -12,6 +12,7 @@
 mod compare;
 mod converge;
 mod daylight;
+mod distance;
 mod frame;
 mod lamp;
 pub mod light_tracer;
@@ -27,6 +28,7 @@ mod water;
 pub use compare::{BlockDifference, Comparison, MeasuredValue};
 pub use converge::{ConvergedTruth, Goal, converge};
 pub use dice::{Address, MOST_PATHS, MOST_PIXELS, stream};
+pub use distance::Distance;
 pub use estimate::{BATCHES, ErrorSpread, Estimate, Level, LightPart, PixelBlocks, PixelSums};
 pub use frame::{NoTruth, PathBatch, Subject};
 pub use lamp::SphereLamp;
