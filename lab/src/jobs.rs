@@ -12,11 +12,11 @@ use imaging::Rgb8;
 use serde_json::{Value, json};
 
 use crate::parallel::run_all;
-use crate::plot::{Bar, Bars};
 use crate::report::Report;
 use crate::setup::Setup;
 use crate::studio::Studio;
 use crate::table::Table;
+use cli::plot::{Bar, Bars};
 use column::{Column, summarize};
 use description::{Description, Measure};
 use shot::{Shot, compare};

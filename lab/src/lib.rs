@@ -10,7 +10,6 @@ pub mod jobs;
 pub mod look;
 pub mod measurement;
 pub mod parallel;
-pub mod plot;
 pub mod report;
 pub mod setup;
 pub mod stability;

@@ -6,9 +6,9 @@ use imaging::{Rgb, transfer};
 use quality::MetricId;
 use serde_json::json;
 
-use crate::plot::{Axis, Form, Lines, Mark, Series};
 use crate::row;
 use crate::table::Table;
+use cli::plot::{Axis, Form, Lines, Mark, Series};
 
 /// Time and error of one variant in one case.
 #[derive(Debug, Clone, PartialEq)]

@@ -52,9 +52,9 @@ impl Studio {
     /// As [`Studio::with_shipped_styles`].
     #[must_use]
     pub fn without_effects(effects: &[StageId]) -> Self {
-        let Self { slot, vocabulary } = Self::with_shipped_styles();
-        let slot = slot.excluding(effects);
-        Self { slot, vocabulary }
+        let mut studio = Self::with_shipped_styles();
+        studio.slot.exclude(effects.to_vec());
+        studio
     }
 
     /// A frame of a job that may use local files.

@@ -1,5 +1,6 @@
 //! Tables as Markdown, CSV and JSON.
 
+pub use cli::plot::format_number;
 use serde_json::{Map, Value};
 
 /// Rows of values under named columns.
@@ -102,18 +103,6 @@ fn format_cell(value: &Value) -> String {
         Value::String(text) => text.clone(),
         Value::Number(number) if number.is_f64() => format_number(number.as_f64().unwrap_or(f64::NAN)),
         other => other.to_string(),
-    }
-}
-
-/// A number with about three digits.
-#[must_use]
-pub fn format_number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        v if !(0.1..1e5).contains(&v) => format!("{value:.1e}"),
-        v if v < 10.0 => format!("{value:.2}"),
-        v if v < 100.0 => format!("{value:.1}"),
-        _ => format!("{value:.0}"),
     }
 }
 

@@ -15,6 +15,7 @@ mod reproduce;
 mod same_bytes;
 mod service;
 mod terminal;
+mod tradeoff;
 mod trained;
 mod typed_values;
 mod uploader;

@@ -10,9 +10,9 @@ use super::measured::bounded_studio;
 use super::outcome::{Origin, Outcome};
 use super::summary::{kinds, summarize};
 use crate::parallel::run_all;
-use crate::plot::{Axis, Form, Lines, Series};
 use crate::report::Report;
 use crate::setup::{Parameter, Setup};
+use cli::plot::{Axis, Form, Lines, Series};
 
 /// The parameters of a campaign.
 pub const PARAMETERS: &[Parameter] = &[

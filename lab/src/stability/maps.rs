@@ -2,7 +2,7 @@
 
 use super::cell::{Cell, METRICS};
 use super::degradation::{Degradation, LEVELS};
-use crate::plot::HeatMap;
+use cli::plot::HeatMap;
 
 /// Minimum share of worse specimens for a cell in the failure region of a method.
 const FAILS: f64 = 0.5;

@@ -9,13 +9,36 @@ use style::Library;
 
 use crate::exit::Failure;
 use crate::files;
+use crate::overrides::Override;
 use crate::plural::count;
 
 /// Reads a job to render here, whose scene may be local files. Uploaded scenes are refused: only a service has them.
 pub fn read(path: &Path, library: &Library) -> Result<Job, Failure> {
-    let text = files::read(path)?;
+    check(path, &files::read(path)?, library)
+}
+
+/// Checks the text of a job with some fields replaced. All replacements that cannot be made are reported together.
+pub fn read_with(
+    path: &Path,
+    text: &[u8],
+    overrides: &[Override],
+    library: &Library,
+) -> Result<Job, Failure> {
+    if overrides.is_empty() {
+        return check(path, text, library);
+    }
+    let mut description = spec::read_json(text).map_err(|invalid| refused(path, &invalid))?;
+    let applied = overrides.iter().map(|replaced| replaced.apply(&mut description));
+    let wrong: Vec<String> = applied.filter_map(Result::err).collect();
+    if !wrong.is_empty() {
+        return Err(Failure::BadInput(wrong.join("\n")));
+    }
+    check(path, description.to_string().as_bytes(), library)
+}
+
+fn check(path: &Path, text: &[u8], library: &Library) -> Result<Job, Failure> {
     let vocabulary = renderer::vocabulary(library, true);
-    Draft::read(&text, &vocabulary)
+    Draft::read(text, &vocabulary)
         .and_then(|draft| draft.check(&Uploads::Known(BTreeMap::new())))
         .map_err(|invalid| refused(path, &invalid))
 }

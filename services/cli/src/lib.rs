@@ -18,6 +18,8 @@ pub mod filter;
 pub mod job;
 pub mod known;
 pub mod options;
+pub mod overrides;
+pub mod plot;
 pub mod plural;
 mod program;
 pub mod progress;

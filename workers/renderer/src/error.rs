@@ -80,6 +80,12 @@ pub enum RenderError {
     /// The light of the frame cannot be traced.
     #[error(transparent)]
     Truth(#[from] truth::NoTruth),
+    /// A comparison with the truth at another size has a scene that cannot be rendered at it.
+    #[error("only procedural scenes can be rendered at another size; the scene of this frame has files")]
+    FixedSize,
+    /// A comparison with the truth needs a range.
+    #[error("the scene has no range, without which its light cannot be traced")]
+    NoRange,
     /// Tracing it would take too many paths.
     #[error(transparent)]
     TruthWork(#[from] spec::truth::TooMuch),

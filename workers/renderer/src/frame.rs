@@ -1,5 +1,6 @@
 //! One frame: its inputs, effects and light.
 
+pub(crate) mod comparable;
 pub(crate) mod content;
 pub(crate) mod context;
 pub(crate) mod daylight_bounds;

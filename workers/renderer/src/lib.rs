@@ -20,19 +20,21 @@ mod stopwatch;
 mod stream;
 pub mod worker;
 
+pub use comparable::ComparableFrame;
 pub use content::{Content, Contents};
+pub use effects::ESTIMATED as CHOSEN_EFFECTS;
 pub use engine::Engine;
 pub use error::RenderError;
 pub use file::{EXTENSIONS, File, extension};
-use frame::{content, context, daylight_bounds, effects, inputs, light, preview};
+use frame::{comparable, content, context, daylight_bounds, effects, inputs, light, preview};
 use output::{file, provenance, record};
 pub use provenance::{CODE_VERSION, cpu_features};
 use resources::{engine, source, vocabulary};
 pub use sequence::{Held, RelativePose, Viewpoint};
-pub use slot::{LinearPicture, Rendered, Slot, WaterLight};
+pub use slot::{FrameTruth, LinearPicture, Rendered, Slot};
 pub use source::{SceneBytes, SceneSource};
 pub use stage::networks::PictureNetworks;
-pub use stage::truth::{Round, Traced, Tracing};
+pub use stage::truth::Round;
 pub use stream::{
     ChannelOrder, DepthSamples, InputError, PictureSamples, Stream, StreamDepth, StreamError, StreamFrame,
     StreamInput, StreamJob, StreamMask, StreamOptions, StreamParts, StreamPicture, Vary,

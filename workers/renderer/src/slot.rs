@@ -1,10 +1,10 @@
 //! The pipeline of one frame.
 
 pub(crate) mod costs;
+mod distance;
 mod effects;
 mod exposure;
 mod kept;
-mod light;
 mod sequence;
 mod state;
 
@@ -35,7 +35,7 @@ use crate::stopwatch::Stopwatch;
 use costs::{CostScale, StageCost, list_costs};
 use state::{RightCaches, SceneKey, Taken, Thin};
 
-pub use light::WaterLight;
+pub use distance::FrameTruth;
 pub use state::Slot;
 
 /// A rendered frame.
@@ -81,12 +81,10 @@ impl Slot {
         }
     }
 
-    /// A slot whose frames have none of these effects, whatever their fidelity: for comparisons of the remaining stages. Effects
+    /// From now on frames have none of these effects, whatever their fidelity: for comparisons of the remaining stages. Effects
     /// that every frame has are not excluded.
-    #[must_use]
-    pub fn excluding(mut self, effects: &[StageId]) -> Self {
-        self.excluded = effects.to_vec();
-        self
+    pub fn exclude(&mut self, effects: Vec<StageId>) {
+        self.excluded = effects;
     }
 
     /// Renders a frame. Its bytes do not depend on earlier frames of the slot.
@@ -96,6 +94,20 @@ impl Slot {
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         let (files, record) = self.run(frame, source, files::encode)?;
         Ok(Rendered { files, record })
+    }
+
+    /// Renders a frame with its artifacts like [`Slot::render`], also if its scene is cached, and returns only its plan: to measure
+    /// the time of a whole frame.
+    ///
+    /// # Errors
+    /// As [`Slot::render`].
+    pub fn render_for_plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<Plan, RenderError> {
+        self.last_scene = None;
+        let (plan, _) = self.run(frame, source, |context, pictures, record| {
+            files::encode(context, pictures, record)?;
+            Ok(context.plan.clone())
+        })?;
+        Ok(plan)
     }
 
     /// Renders a frame without encoding its artifacts.

@@ -129,6 +129,9 @@ mod tests {
         let distance = Distance::new(&model(1.0, 1.0), &truth(0.2), 2, 1.0);
         assert!(distance.noise > 0.01 && distance.rms == 0.0, "{distance:?}");
         let far = Distance::new(&model(2.0, 2.0), &truth(0.2), 2, 1.0);
-        assert!((far.rms - (1.0 - far.noise * far.noise).sqrt()).abs() < 1e-6, "{far:?}");
+        assert!(
+            (far.rms - (1.0 - far.noise * far.noise).sqrt()).abs() < 1e-6,
+            "{far:?}"
+        );
     }
 }

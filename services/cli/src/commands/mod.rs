@@ -20,7 +20,7 @@ use dataset::{datasets, export, import, query, rm, scenes, seal, sheet, stats, u
 use help::{completions, list};
 use job::{control, errors, jobs, submit, wait};
 use picture::{enhance, measure};
-use rendering::{bag, demo, new, plan, render};
+use rendering::{bag, demo, new, plan, render, tradeoff};
 use service::{backup, scrub, serve, worker};
 use sharded::{gc, status};
 use style::{styles, train, waters};
@@ -69,6 +69,8 @@ pub(crate) enum Command {
     New(new::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),
+    /// Chart the time of a frame against its distance to the truth, for each fidelity and effect
+    Tradeoff(tradeoff::Arguments),
     /// Submit a job to a service
     Submit(submit::Arguments),
     /// List jobs with their progress
@@ -149,6 +151,7 @@ impl Command {
             Self::Import(arguments) => import::run(&arguments),
             Self::New(arguments) => new::run(&arguments),
             Self::Plan(arguments) => plan::run(&arguments),
+            Self::Tradeoff(arguments) => tradeoff::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Jobs(arguments) => jobs::run(&arguments),
             Self::Wait(arguments) => wait::run(&arguments),

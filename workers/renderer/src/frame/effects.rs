@@ -9,8 +9,8 @@ pub(crate) const LEAST_SHARE: f64 = 1e-3;
 /// Largest change of an 8-bit picture that counts as invisible, codes.
 pub(crate) const VISIBLE_CODES: f64 = 2.0;
 
-/// Effects with an estimated change, in the order of light.
-pub(crate) const ESTIMATED: [StageId; 7] = [
+/// Effects that a plan may leave out, by their estimated change, in the order of light.
+pub const ESTIMATED: [StageId; 7] = [
     StageId::SunShadow,
     StageId::AmbientAccess,
     StageId::Caustics,

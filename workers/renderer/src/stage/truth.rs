@@ -18,7 +18,7 @@ use crate::light::Light;
 
 /// Options of a Monte Carlo trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tracing {
+pub(crate) struct Tracing {
     /// The accuracy goal.
     pub goal: Goal,
     /// The phase function of the water.
@@ -30,15 +30,17 @@ pub struct Tracing {
 }
 
 /// Side of the blocks for measuring errors, px: smaller blocks need more paths, larger ones hide edges.
-const BLOCK_PX: usize = 8;
+pub(crate) const BLOCK_PX: usize = 8;
 
 /// Light of a frame by Monte Carlo, and its comparison with the chain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Traced {
+pub(crate) struct Traced {
     /// The paths.
     pub truth: ConvergedTruth,
     /// The comparison with the chain.
     pub report: TruthReport,
+    /// Whether daylight was traced.
+    pub has_sea: bool,
 }
 
 /// Traces one round: some samples of every pixel of a scene, row by row. Returns `None` to stop.
@@ -122,13 +124,18 @@ pub(crate) fn trace(
         has_sea: scene.sea.is_some(),
         limit: tracing.limit,
     };
-    let scattered = scattered(light, asked.has_sea);
+    let has_sea = asked.has_sea;
+    let scattered = scattered(light, has_sea);
     let light = ChainLight {
         direct: &light.layers.direct,
         scattered: &scattered,
     };
     let report = TruthReport::new(&truth, &asked, &light, Some(range));
-    Ok(Some(Traced { truth, report }))
+    Ok(Some(Traced {
+        truth,
+        report,
+        has_sea,
+    }))
 }
 
 /// The cost of the truth; `None` if no artifact needs it.

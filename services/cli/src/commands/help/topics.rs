@@ -22,6 +22,7 @@ pub(super) const TOPICS: &[Topic] = topics! {
         "new" "fathom new shaft --out job.json";
         "render" "fathom render job.json --out frames --slots 4";
         "plan" "fathom plan job.json --frame 3";
+        "tradeoff" "fathom tradeoff shaft --out tradeoff";
         "bag" "fathom bag dive.mcap wet.mcap --job job.json --image /camera/image_raw --depth /camera/depth";
         "demo" "fathom demo --out data/demo";
         "reproduce" "fathom reproduce --out paper";

@@ -5,3 +5,4 @@ pub(crate) mod demo;
 pub(crate) mod new;
 pub(crate) mod plan;
 pub(crate) mod render;
+pub(crate) mod tradeoff;

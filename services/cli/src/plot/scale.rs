@@ -7,21 +7,37 @@ pub struct Axis {
     pub title: String,
     /// Whether the axis is logarithmic; values must then be positive.
     pub logarithmic: bool,
+    /// Whether the axis begins at 0.
+    pub from_zero: bool,
 }
 
 impl Axis {
     /// A linear axis.
     #[must_use]
     pub fn linear(title: &str) -> Self {
-        let (title, logarithmic) = (title.to_owned(), false);
-        Self { title, logarithmic }
+        Self {
+            title: title.to_owned(),
+            logarithmic: false,
+            from_zero: false,
+        }
+    }
+
+    /// A linear axis that begins at 0.
+    #[must_use]
+    pub fn from_zero(title: &str) -> Self {
+        Self {
+            from_zero: true,
+            ..Self::linear(title)
+        }
     }
 
     /// A logarithmic axis.
     #[must_use]
     pub fn logarithmic(title: &str) -> Self {
-        let (title, logarithmic) = (title.to_owned(), true);
-        Self { title, logarithmic }
+        Self {
+            logarithmic: true,
+            ..Self::linear(title)
+        }
     }
 }
 
@@ -42,6 +58,15 @@ impl Scale {
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        if axis.from_zero {
+            let high = if high > 0.0 { 1.2 * high } else { 1.0 };
+            return Self {
+                low: 0.0,
+                high,
+                logarithmic,
+                pixels,
+            };
+        }
         let room = if high > low { 0.06 * (high - low) } else { 0.5 };
         Self {
             low: low - room,
@@ -58,12 +83,15 @@ impl Scale {
         share.is_finite().then_some(start + share * (end - start))
     }
 
-    /// Pixels and labels of grid lines: powers of ten with 1, 2 and 5 on short logarithmic axes, round numbers on linear ones.
+    /// Pixels and labels of grid lines: powers of ten on logarithmic axes, with more multiples the shorter they are, round numbers on linear ones.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let values: Vec<f64> = if self.logarithmic {
             let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-            let is_short = self.high - self.low < 3.0;
-            let multiples: &[f64] = if is_short { &[1.0, 2.0, 5.0] } else { &[1.0] };
+            let multiples: &[f64] = match self.high - self.low {
+                range if range < 0.8 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0],
+                range if range < 3.0 => &[1.0, 2.0, 5.0],
+                _ => &[1.0],
+            };
             let values = decades.flat_map(|decade| multiples.iter().map(move |m| m * 10_f64.powi(decade)));
             values
                 .filter(|v| (self.low..=self.high).contains(&v.log10()))

@@ -1,5 +1,6 @@
 //! Points and lines over two axes.
 
+use super::labels::Labels;
 use super::scale::{Axis, Scale};
 use super::svg::{FAINT, INK, Svg, color};
 
@@ -99,7 +100,9 @@ impl Lines {
             .flat_map(|mark| [Some(mark.x), mark.reach])
             .flatten();
         let x = Scale::new(&self.x, across, (left, right));
-        let y = Scale::new(&self.y, marks.map(|mark| mark.y), (bottom, top));
+        let y = Scale::new(&self.y, marks.clone().map(|mark| mark.y), (bottom, top));
+        let points = marks.filter_map(|mark| Some((x.pixel(mark.x)?, y.pixel(mark.y)?)));
+        let mut labels = Labels::new(points, (bottom, top));
         for (column, label) in x.ticks() {
             svg.line(&[(column, top), (column, bottom)], FAINT, 1.0);
             svg.text((column, bottom + 18.0), &label, "middle");
@@ -111,13 +114,13 @@ impl Lines {
         svg.line(&[(left, top), (left, bottom), (right, bottom)], INK, 1.0);
         svg.text(((left + right) / 2.0, bottom + 36.0), &self.x.title, "middle");
         for (index, series) in self.series.iter().enumerate() {
-            series.draw(svg, &x, &y, color(index));
+            series.draw(svg, (&x, &y), color(index), &mut labels);
         }
     }
 }
 
 impl Series {
-    fn draw(&self, svg: &mut Svg, x: &Scale, y: &Scale, color: &str) {
+    fn draw(&self, svg: &mut Svg, (x, y): (&Scale, &Scale), color: &str, labels: &mut Labels) {
         let marks = self.marks.iter();
         let points = marks.filter_map(|mark| Some(((x.pixel(mark.x)?, y.pixel(mark.y)?), mark)));
         let points: Vec<((f64, f64), &Mark)> = points.collect();
@@ -135,7 +138,9 @@ impl Series {
             if mark.ringed {
                 svg.circle(position, 9.0, &format!("fill=\"none\" stroke=\"{INK}\""));
             }
-            svg.text((position.0 + 8.0, position.1 - 6.0), &mark.label, "start");
+            if !mark.label.is_empty() {
+                svg.text(labels.place(position, &mark.label), &mark.label, "start");
+            }
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Bars with error bars, one panel for each quantity.
 
+use super::number::format_number;
 use super::scale::{Axis, Scale};
 use super::svg::{FAINT, INK, Svg, color};
-use crate::table::format_number;
 
 /// A mean with its spread.
 #[derive(Debug, Clone, PartialEq)]
