@@ -1,4 +1,4 @@
-//! `fathom tradeoff`: the front of a small job, what it leaves out, and its errors.
+//! `fathom tradeoff`: the front of a small job, the parts without a truth, and errors.
 
 use std::path::Path;
 use std::process::Command;
@@ -120,7 +120,7 @@ fn the_front_of_a_job_is_measured_against_its_truth() {
     assert_eq!(distances(&measured), distances(&again), "threads change a bit");
 }
 
-/// Failure: a table without the line to write, or that hides what was not compared.
+/// Failure: a table without the line to write, or without the parts left out of the comparison.
 #[test]
 fn the_text_names_the_line_to_write_and_the_parts_that_were_not_compared() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -182,7 +182,7 @@ fn mistakes_are_named_together() {
         "--frames",
         "1",
         "--set",
-        "water.optics={\"beam_attenuation_per_m\": [0.4, 0.2, 0.2]}",
+        "water.optics={\"beam_attenuation_per_m\": [0.4, 0.2, 0.2], \"veiling_light\": [0.1, 0.2, 0.2]}",
         "--set",
         "lights=[]",
     ];

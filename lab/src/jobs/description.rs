@@ -69,6 +69,8 @@ pub(super) enum Measure {
     Photograph,
     /// Effects that the plan added.
     Effects,
+    /// Measured error of the models.
+    Model,
     /// The faster variant of IBLA against the exact one.
     Ibla,
 }

@@ -64,6 +64,7 @@ pub(super) fn take(task: &Task, studio: &mut Studio) -> Result<Shot, Failure> {
                 list_look(look::measure_photograph(&picture, &semantics))
             }
             Measure::Effects => list_effects(&rendered.record.plan),
+            Measure::Model => list_model(rendered.record.optics.get("model")),
             Measure::Ibla => compare_ibla(&picture)?,
         });
     }
@@ -190,6 +191,19 @@ fn list_effects(plan: &Value) -> Vec<Column> {
         is_estimated.then(|| Column::new(name, f64::from(u8::from(is_added)), Summary::Share))
     });
     effects.collect()
+}
+
+/// The share of the light with a measured model error, and that error.
+fn list_model(model: Option<&Value>) -> Vec<Column> {
+    let [covered, bias, rms] = ["covered", "bias", "rms"]
+        .map(|name| 100.0 * model.and_then(|model| model[name].as_f64()).unwrap_or(f64::NAN));
+    let is_covered = f64::from(u8::from(covered >= 90.0));
+    vec![
+        Column::new("covered, %", covered, Summary::Spread),
+        Column::new("covered by 90 %", is_covered, Summary::Share),
+        Column::new("model bias, %", bias, Summary::Median),
+        Column::new("model rms, %", rms, Summary::Median),
+    ]
 }
 
 fn compare_ibla(picture: &Rgb8) -> Result<Vec<Column>, Failure> {

@@ -26,7 +26,7 @@ pub use bins::{RangeBin, TileGains};
 pub use bounds::SceneBounds;
 pub use casting::Casting;
 pub use levels::{brightest_behind, display_tolerance, frame_tolerance};
-pub use model::Conditions;
+pub use model::{Conditions, LightError, PartErrors};
 pub use shadows::{Shadows, Use};
 pub use shares::{Budget, compose, compose_gain};
 pub use stage::{ModelError, Stage, StageId, Variant};

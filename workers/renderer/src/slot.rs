@@ -30,7 +30,7 @@ use crate::stage::files::{self, Pictures};
 use crate::stage::measure::{self, Measured};
 use crate::stage::networks::PictureNetworks;
 use crate::stage::style::Networks;
-use crate::stage::{camera, enhance, haze, labels, truth};
+use crate::stage::{camera, enhance, haze, labels, model_error, truth};
 use crate::stopwatch::Stopwatch;
 use costs::{CostScale, StageCost, list_costs};
 use state::{RightCaches, SceneKey, Taken, Thin};
@@ -81,8 +81,8 @@ impl Slot {
         }
     }
 
-    /// From now on frames have none of these effects, whatever their fidelity: for comparisons of the remaining stages. Effects
-    /// that every frame has are not excluded.
+    /// Excludes these effects from all further frames of any fidelity: for comparisons of the remaining stages. Effects that every
+    /// frame has are not excluded.
     pub fn exclude(&mut self, effects: Vec<StageId>) {
         self.excluded = effects;
     }
@@ -180,6 +180,7 @@ impl Slot {
         record
             .warnings
             .extend(effects::find_overrun(context, &self.costs));
+        model_error::run(context, &light.layers, &mut record);
         let traced = if truth::is_asked(context) {
             watch.time("truth", || truth::run(context, light, &mut record))?
         } else {

@@ -10,6 +10,7 @@ pub(crate) mod haze;
 pub(crate) mod labels;
 pub(crate) mod lamps;
 pub(crate) mod measure;
+pub(crate) mod model_error;
 pub(crate) mod networks;
 mod particles;
 mod range_file;

@@ -50,6 +50,9 @@ pub(crate) const RESULTS: &[ResultField] = results! {
     "daylight.shallowest_m" "/optics/daylight/shallowest_m" NUMBER "m" "least depth of the surfaces that light from above falls on";
     "daylight.deepest_m" "/optics/daylight/deepest_m" NUMBER "m" "the same, greatest depth";
     "daylight.caustics_peak" "/optics/daylight/caustics_peak" NUMBER "" "brightest place of the caustics over their mean";
+    "model.covered" "/optics/model/covered" NUMBER "" "share of the light whose model error was measured under such conditions";
+    "model.bias" "/optics/model/bias" NUMBER "" "mean model error of that light, over the light of the truth";
+    "model.rms" "/optics/model/rms" NUMBER "" "root mean square of the same over blocks of the picture";
     "instances" "/scene/instances" LIST "" "objects in view";
     "instances.visible" "/scene/visible" WHOLE "" "objects whose contrast can be seen";
     "instances.least_visibility" "/scene/least_visibility" NUMBER "" "least visibility of an object in view";

@@ -4,7 +4,7 @@
 const CHARACTER: (f64, f64) = (7.9, 13.0);
 /// Space between a point and its label.
 const GAP_PX: f64 = 8.0;
-/// Baselines below a point that are tried in turn, px.
+/// Candidate baselines below a point, px, in the order of preference.
 const BASELINES: [f64; 12] = [
     -6.0, 16.0, -20.0, 30.0, -34.0, 44.0, -48.0, 58.0, -62.0, 72.0, 86.0, 100.0,
 ];
@@ -52,25 +52,24 @@ impl Labels {
         }
     }
 
-    /// The start of the baseline of a label next to a point: the nearest free position, or the usual one if none is free.
+    /// The start of the baseline of a label next to a point: the nearest free position, or the usual one in a full chart.
     pub(super) fn place(&mut self, (x, y): (f64, f64), text: &str) -> (f64, f64) {
         let width = CHARACTER.0 * text.chars().count() as f64;
-        let sides = BASELINES.into_iter().flat_map(|below| {
+        let mut sides = BASELINES.into_iter().flat_map(|below| {
             let row = y + below;
             [(x + GAP_PX, row), (x - GAP_PX - width, row)]
         });
-        let is_free = |&(left, row): &(f64, f64)| {
-            let area = outline((left, row), width);
-            area.top >= self.top - CHARACTER.1
-                && area.bottom <= self.bottom
-                && !self.taken.iter().any(|other| other.meets(&area))
-        };
         let position = sides
-            .into_iter()
-            .find(is_free)
+            .find(|side| self.is_free(&outline(*side, width)))
             .unwrap_or((x + GAP_PX, y + BASELINES[0]));
         self.taken.push(outline(position, width));
         position
+    }
+
+    /// Whether an area is inside the chart and free.
+    fn is_free(&self, area: &Area) -> bool {
+        let is_inside = area.top >= self.top - CHARACTER.1 && area.bottom <= self.bottom;
+        is_inside && !self.taken.iter().any(|other| other.meets(area))
     }
 }
 

@@ -2,11 +2,13 @@
 //! numbers from the model; this is the distance of the model from the truth.
 
 mod lamps;
+mod parts;
 
 use super::StageId;
 use super::stage::ModelError;
 use crate::water::Scatter;
 pub use lamps::Conditions;
+pub use parts::{LightError, PartErrors};
 
 /// Largest b Z at which light next to and over edges was measured.
 const EDGES_UP_TO: f64 = 4.0;

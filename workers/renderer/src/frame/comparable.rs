@@ -1,6 +1,6 @@
 //! The part of a frame that has a Monte Carlo truth.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use spec::{Camera, Exposure, Frame, HoleRule, Light, Metering, Scene};
 
 use crate::error::RenderError;
@@ -17,7 +17,9 @@ const KEPT_OF_CAMERA: [&str; 8] = [
     "frames_per_s",
 ];
 /// Fields of a camera without an effect at these values, which are their defaults.
-const UNUSED_OF_CAMERA: [(&str, &str); 3] = [("supersample", "1"), ("tone", "\"srgb\""), ("bits", "8")];
+fn unused_of_camera() -> Value {
+    json!({"supersample": 1, "tone": "srgb", "bits": 8})
+}
 
 /// A frame as the truth can show it, and the fields of its description that the comparison leaves out.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,14 +89,11 @@ fn list_left_out(parameters: &Value) -> Vec<String> {
     if lights.into_iter().any(|light| light["kind"] == "haze") {
         left_out.push("lights (haze)".to_owned());
     }
-    let is_unused = |name: &str, value: &Value| {
-        let unused = UNUSED_OF_CAMERA.iter().find(|(field, _)| *field == name);
-        unused.is_some_and(|(_, default)| value.to_string() == *default)
-    };
+    let unused = unused_of_camera();
     let camera = parameters["camera"].as_object().into_iter().flatten();
     let camera = camera.filter(|(name, value)| {
         let is_kept = KEPT_OF_CAMERA.contains(&name.as_str());
-        !is_kept && !value.is_null() && !is_unused(name, value)
+        !is_kept && !value.is_null() && unused[name.as_str()] != **value
     });
     left_out.extend(camera.map(|(name, _)| format!("camera.{name}")));
     left_out

@@ -29,7 +29,7 @@ pub struct FrameTruth {
     pub paths: u64,
     /// Root mean square of the standard errors of its blocks, relative to the mean light.
     pub noise: f64,
-    /// What the truth models differently from the chain.
+    /// Light that only the truth or only the chain has.
     pub differences: Vec<&'static str>,
 }
 

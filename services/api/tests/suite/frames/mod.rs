@@ -3,6 +3,7 @@
 pub(crate) mod forms;
 mod images;
 pub(crate) mod lamps;
+mod model_error;
 pub(crate) mod networks;
 pub(crate) mod pictures;
 pub(crate) mod rendered;

@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     /// Number of frames, spread over the job [default: 3, or all of a shorter job]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100))]
     frames: Option<u64>,
-    /// Size of the pictures that are compared with the truth [default: 64 columns in the shape of the job's pictures]
+    /// Size of the pictures for the comparison with the truth [default: 64 columns in the shape of the job's pictures]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<PictureSize>,
     /// Folder for tradeoff.svg and tradeoff.json

@@ -1,4 +1,4 @@
-//! The choices of a plan, with which a frame of another size is rendered.
+//! The choices of a plan, to render a frame of another size with them.
 
 use optics::plan::{Plan, StageId};
 use renderer::CHOSEN_EFFECTS;

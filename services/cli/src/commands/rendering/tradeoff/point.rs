@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::variant::Variant;
 
-/// Times closer than this share count as equal: repeated runs differ by as much.
+/// Times closer than this share count as equal: the noise of repeated runs.
 const SAME_TIME: f64 = 0.03;
 /// Distances closer than this share of the light count as equal: a twentieth of the error of the truth.
 const SAME_DISTANCE: f64 = 0.001;

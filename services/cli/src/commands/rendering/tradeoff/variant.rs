@@ -1,4 +1,4 @@
-//! The choices of fidelity and effects that are measured, and the text that selects each in a job.
+//! The measured choices of fidelity and effects, and the line of a job for each.
 
 use optics::plan::StageId;
 use serde_json::{Value, json};
