@@ -12,7 +12,7 @@ fn the_model_error_of_frames_is_a_column() {
     let _worker = Real::start(&service);
     let mut waters = job();
     let unknown = json!({"beam_attenuation_per_m": [0.4, 0.2, 0.3], "veiling_light": [0.1, 0.2, 0.2]});
-    waters["water"]["optics"] = json!({"grid": ["jerlov-1C", unknown]});
+    waters["water"]["optics"] = json!({"grid": ["jerlov-II", unknown]});
     waters["count"] = json!(2);
     let id = service.submit(&waters);
     let ended = service.get(&format!("/v1/jobs/{id}?wait=60")).json();
