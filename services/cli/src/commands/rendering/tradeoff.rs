@@ -6,6 +6,7 @@ mod clock;
 mod measure;
 mod point;
 mod report;
+mod size;
 mod variant;
 
 use std::path::{Path, PathBuf};
@@ -22,6 +23,7 @@ use style::Library;
 
 use measure::Measuring;
 use report::Report;
+use size::{PictureSize, parse_size};
 
 /// Options of `fathom tradeoff`.
 #[derive(clap::Args)]
@@ -47,20 +49,10 @@ pub(crate) struct Arguments {
     style: StyleArguments,
 }
 
-/// Columns and rows of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct PictureSize {
-    width: usize,
-    height: usize,
-}
-
 /// Frames of a site without a job, as in `fathom new`.
 const SITE_FRAMES: u64 = 100;
 /// Number of frames unless given.
 const FRAMES: u64 = 3;
-/// Sides of a traced picture, px: smaller ones have too few blocks, larger ones take minutes for each frame.
-const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=512;
-
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = arguments.style.library()?;
@@ -134,29 +126,6 @@ fn spread_frames(all: u64, wanted: Option<u64>) -> Result<Vec<u64>, Failure> {
     Ok((0..count).map(|i| i * (all - 1) / last).collect())
 }
 
-/// Reads columns and rows, such as 64x41.
-fn parse_size(text: &str) -> Result<PictureSize, String> {
-    let sides = text.split_once('x').and_then(|(width, height)| {
-        let [width, height] = [width, height].map(|side| side.parse::<usize>().ok());
-        Some(PictureSize {
-            width: width?,
-            height: height?,
-        })
-    });
-    let size = sides.ok_or_else(|| "must be columns and rows, such as 64x41".to_owned())?;
-    if [size.width, size.height]
-        .iter()
-        .all(|side| SIDES_PX.contains(side))
-    {
-        return Ok(size);
-    }
-    Err(format!(
-        "both sides must be {} to {} px",
-        SIDES_PX.start(),
-        SIDES_PX.end()
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,14 +138,5 @@ mod tests {
         assert_eq!(spread_frames(7, Some(7)).unwrap(), [0, 1, 2, 3, 4, 5, 6]);
         let refused = spread_frames(2, Some(3)).unwrap_err().to_string();
         assert_eq!(refused, "--frames is 3, but the job has 2 frames");
-    }
-
-    #[test]
-    fn a_size_has_two_sides_within_limits() {
-        let size = parse_size("64x41").unwrap();
-        assert_eq!((size.width, size.height), (64, 41));
-        for wrong in ["64", "64x", "x41", "8x8", "4000x41", "64x41x2", "-3x20"] {
-            assert!(parse_size(wrong).is_err(), "{wrong}");
-        }
     }
 }

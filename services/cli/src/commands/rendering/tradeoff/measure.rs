@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use renderer::{ComparableFrame, Engine, FrameTruth, SceneSource, Slot};
 use spec::{Fidelity, Frame};
 
-use super::PictureSize;
 use super::choices::{Choices, list_running};
 use super::clock::ThreadClock;
 use super::point::{Distance, FramePoint, Point};
+use super::size::PictureSize;
 use super::variant::{Variant, list_fidelities};
 
 /// Error of the median block of the truth, relative to the mean light.
