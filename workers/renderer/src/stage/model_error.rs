@@ -208,7 +208,7 @@ mod tests {
         let covered =
             |up: [f64; 3]| weigh(&errors, Some(&Gaze::new(camera, (2, 1), up)), &light, &path).covered;
         assert_eq!(covered([0.0, -1.0, 0.0]), 1.0);
-        // The camera looks up: the hole is the sky, the surface beside it is not.
+        // The camera looks up: only the hole is the sky.
         assert_eq!(covered([0.0, 0.0, 1.0]), 0.75);
     }
 

@@ -82,8 +82,8 @@ pub struct PartErrors {
 }
 
 impl PartErrors {
-    /// The errors that were measured in water and light like these. Turbid patches count as the mean water along each path.
-    /// `is_reflectance`: the picture of the scene has no light of its own.
+    /// The measured errors of similar water and light. Turbid patches count as the mean water along each path.
+    /// `is_reflectance`: the picture of the scene emits no light.
     #[must_use]
     pub fn find(water: &Water, lighting: Option<&Lighting>, is_reflectance: bool) -> Self {
         let sources = sources(water, lighting).filter(|_| is_reflectance);
