@@ -6,7 +6,8 @@ use spec::Fidelity;
 
 use super::variant::Variant;
 
-/// The effects and the tolerance of a plan. Rendered with them, a small picture has the errors of a large one.
+/// The effects and the tolerance of a plan. Rendered with them, a small picture has the errors of a large one, except the relative
+/// part, which is far below any error of the model.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choices {
     pub(super) fidelity: Fidelity,
@@ -18,7 +19,9 @@ impl Choices {
         let running = list_running(plan);
         let effects = CHOSEN_EFFECTS.into_iter();
         Self {
-            fidelity: plan.tolerance.map_or(variant.fidelity, Fidelity::Tolerance),
+            fidelity: plan.tolerance.map_or(variant.fidelity, |tolerance| {
+                Fidelity::Tolerance(tolerance.absolute)
+            }),
             left_out: effects.filter(|id| !running.contains(id)).collect(),
         }
     }
@@ -32,7 +35,7 @@ pub(super) fn list_running(plan: &Plan) -> Vec<StageId> {
 
 #[cfg(test)]
 mod tests {
-    use optics::plan::{Stage, Variant as Method};
+    use optics::plan::{ErrorBound, Stage, Variant as Method};
 
     use super::*;
 
@@ -43,7 +46,7 @@ mod tests {
             Stage::skipped(StageId::LampShadows),
         ];
         let plan = Plan {
-            tolerance: Some(0.02),
+            tolerance: Some(ErrorBound::absolute(0.02)),
             stages,
         };
         let budget = Variant::plain(Fidelity::BudgetMs(60.0));

@@ -234,7 +234,7 @@ impl Measuring {
                 frame: self.pairs[index].full.index,
                 ms: timed.ms,
                 planned_ms: timed.plan.cost_ms().filter(|_| !is_timed_small),
-                tolerance: timed.plan.tolerance,
+                tolerance: timed.plan.tolerance.map(|tolerance| tolerance.absolute),
                 effects: list_running(&timed.plan),
                 distance: Distance {
                     bias: distance.bias,
