@@ -4,8 +4,10 @@
 //! that is cheap to evaluate at every pixel ([`field`]). Irradiance falls with depth as `E(z) = E(0) e^{−K z}`, with K chosen to
 //! match the solution at the camera.
 
+mod aureole;
 mod caustics;
 mod conditions;
+mod cumulative;
 mod field;
 mod gaze;
 mod limits;

@@ -3,18 +3,20 @@
 //! From the radiances of [`super::transport`], per unit of downwelling irradiance at the camera:
 //!
 //! ```text
-//! L(v, Z) = A(μ) ℓ(k(μ), Z) + b E_s p(v·s) ℓ(c − c μ/μ_s, Z),   ℓ(k, Z) = (1 − e^{−k Z})/k
+//! L(v, Z) = A(μ) ℓ(k(μ), Z) + b E_s p(v·s) ℓ(c − c μ/μ_s, Z) + b E_s p_a(v·s) ℓ(c + (1 − w) b − c μ/μ_s, Z),
+//! ℓ(k, Z) = (1 − e^{−k Z})/k
 //! ```
 //!
 //! is the light that the water scatters into a ray of length Z in the direction v that one looks in; μ is its cosine from the vertical
 //! (1 up), s the direction to the sun with cosine μ_s and E_s the sun's irradiance at right angles to it. The second term is sunlight that
-//! is scattered once, the first all other. `ln A` and k are polynomials in μ; k is such that the light along the whole ray, up to the
+//! is scattered once, the third its aureole ([`super::aureole`]), the first all other. `ln A` and k are polynomials in μ; k is such that the light along the whole ray, up to the
 //! surface, is that of the radiative transfer. Upward rays end at the surface with `e^{−c h/μ} ((1 − R) sky + R mirrored)`.
 //!
 //! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides the depth.
 
 use std::cell::Cell;
 
+use super::aureole::Aureole;
 use super::model::{Bottom, CRITICAL_COSINE, fresnel};
 use super::slope::{SLOPES, share_by_slope};
 use super::sun::SunLight;
@@ -50,7 +52,7 @@ pub struct Field {
     pub decay: f64,
     /// c = a + w b, where the forward peak of scattering does not count.
     pub attenuation: f64,
-    /// (1 − w) b, the forward peak, which blurs the edge of the window.
+    /// (1 − w) b, the forward peak, which blurs the edge of the window and draws the aureole of the sun.
     pub peak: f64,
     /// Radiance of the horizon.
     pub horizon: f64,
@@ -69,6 +71,8 @@ pub struct Field {
     /// Logarithm of the phase function of sunlight by the cosine from the sun: of one scattering, and of a second as far as its light
     /// still depends on the azimuth.
     pub(super) sunny: Polynomial<TERMS>,
+    /// p_a.
+    pub(super) aureole: Aureole,
     /// Irradiance without the direct sun by the slope of a surface, over that of a horizontal one.
     pub slopes: [f64; SLOPES],
 }
@@ -156,6 +160,8 @@ impl Field {
             (0..DIRECTIONS).map(move |j| [nodes[j].rise, values[j], nodes[j].weight])
         };
         let twice = SecondSunlight::new(radiance, exchange, place, scattering);
+        let peak = (1.0 - exchange.wide.share) * scattering;
+        let sun_rise = place.sun.map_or(1.0, |sun| sun.rise);
         let [source, path] = twice.remove_from(radiance);
         let rates: [f64; DIRECTIONS] = std::array::from_fn(|j| {
             let length = path[j] / source[j].max(f64::MIN_POSITIVE);
@@ -166,7 +172,7 @@ impl Field {
         Self {
             decay: scale * decay_of(radiance, depth_m, exchange.wide.share * scattering),
             attenuation: radiance.attenuation * scale,
-            peak: (1.0 - exchange.wide.share) * scattering * scale,
+            peak: peak * scale,
             horizon: source.value(0.0).exp() / rate.value(0.0),
             source,
             rate,
@@ -177,6 +183,7 @@ impl Field {
             sky: (radiance.sky / radiance.irradiance).min(BRIGHTEST),
             sunlight: scattering * scale * radiance.sun / radiance.irradiance,
             sunny: exchange.wide.with_repeated(&twice.repeated, twice.share),
+            aureole: exchange.peak.aureole(peak * depth_m / sun_rise),
             slopes: share_by_slope(&nodes.map(|node| [node.rise, node.weight]), &radiance.total),
         }
     }
@@ -199,8 +206,29 @@ impl Field {
     pub(super) fn sunlit(&self, ray: SunnyRay) -> f64 {
         let rate = self.attenuation * (1.0 - ray.rise / ray.sun_rise);
         let rate = rate.max(-MOST_GAIN / ray.length.max(f64::MIN_POSITIVE));
-        let density = self.sunny.value(ray.cosine.clamp(-1.0, PEAK_COSINE)).exp();
+        let density = self
+            .sunny
+            .value((1.0 - ray.versine).clamp(-1.0, PEAK_COSINE))
+            .exp();
         self.sunlight * density * effective_length(rate, ray.length)
+    }
+
+    /// Sunlight that only the forward peak scattered into a ray.
+    #[must_use]
+    pub(super) fn aureole(&self, ray: SunnyRay) -> f64 {
+        self.aureole.density(ray.versine) * self.aureole_length(ray)
+    }
+
+    /// An upper bound of the aureole on rays of this cosine from the vertical at this angle from the sun or a larger one.
+    #[must_use]
+    pub(super) fn most_aureole(&self, ray: SunnyRay) -> f64 {
+        self.aureole.most(ray.versine) * self.aureole_length(ray)
+    }
+
+    fn aureole_length(&self, ray: SunnyRay) -> f64 {
+        let rate = self.attenuation * (1.0 - ray.rise / ray.sun_rise) + self.peak;
+        let rate = rate.max(-MOST_GAIN / ray.length.max(f64::MIN_POSITIVE));
+        self.sunlight * effective_length(rate, ray.length)
     }
 
     /// Light from the surface at the end of a ray that rises.
@@ -229,8 +257,8 @@ fn ramp(rise: f64, width: f64) -> f64 {
 pub(super) struct SunnyRay {
     pub(super) rise: f64,
     pub(super) length: f64,
-    /// Of the angle to the sun.
-    pub(super) cosine: f64,
+    /// 1 − cos of the angle to the sun, whose cosine has too few digits close to it.
+    pub(super) versine: f64,
     pub(super) sun_rise: f64,
 }
 

@@ -30,17 +30,25 @@ impl Row {
     }
 }
 
+impl Row {
+    #[inline(always)]
+    fn cosine(self, x: usize) -> f64 {
+        let u = (f64::from(x as i32) - self.cx) * self.inverse_focal;
+        (self.across * u + self.level) / (u * u + self.square).sqrt()
+    }
+}
+
 #[inline(always)]
 pub(super) fn rises_of(row: Row, rises: &mut [f32]) {
-    let Row {
-        inverse_focal,
-        cx,
-        across,
-        level,
-        square,
-    } = row;
     for (x, rise) in rises.iter_mut().enumerate() {
-        let u = (f64::from(x as i32) - cx) * inverse_focal;
-        *rise = ((across * u + level) / (u * u + square).sqrt()) as f32;
+        *rise = row.cosine(x) as f32;
+    }
+}
+
+/// 1 − cos of the angles, with all digits of f32 close to the direction.
+#[inline(always)]
+pub(super) fn versines_of(row: Row, versines: &mut [f32]) {
+    for (x, versine) in versines.iter_mut().enumerate() {
+        *versine = (1.0 - row.cosine(x)).max(0.0) as f32;
     }
 }

@@ -4,13 +4,14 @@ mod bounds;
 
 use imaging::{Plane, vectorized};
 
+use super::aureole::{AUREOLE_TERMS, CORE, MIDDLE, REACH, STRETCH};
 use super::field::{
     BLURRED_EDGE, EDGE_INSIDE, Field, LEAST_COSINE, MIRROR_TERMS, MOST_GAIN, RATE_TERMS, SHARP_EDGE,
     SOURCE_TERMS, SunnyRay,
 };
 use super::gaze::Gaze;
 use super::model::{CRITICAL_COSINE, REFRACTIVE_INDEX};
-use super::rises::{Row, rises_of};
+use super::rises::{Row, rises_of, versines_of};
 use super::wide::{PEAK_COSINE, TERMS};
 use crate::attenuation::{exp_negative, masked};
 use crate::polynomial::horner;
@@ -55,14 +56,14 @@ impl VeilOf {
         }
         let length = range.unwrap_or(f64::INFINITY).min(self.end(rise));
         let sunlit = self.sun.map_or(0.0, |sun| {
-            let cosine = (0..3).map(|axis| ray[axis] * sun.toward[axis]).sum();
+            let apart: f64 = (0..3).map(|axis| (ray[axis] - sun.toward[axis]).powi(2)).sum();
             let ray = SunnyRay {
                 rise,
                 length,
-                cosine,
+                versine: 0.5 * apart,
                 sun_rise: sun.rise,
             };
-            self.field.sunlit(ray)
+            self.field.sunlit(ray) + self.field.aureole(ray)
         });
         let surface = if range.is_none() {
             self.field.surface(rise, self.depth)
@@ -108,24 +109,35 @@ pub fn veil(range: &Plane<f32>, of: &VeilOf, gaze: &Gaze, to: &mut [f32]) {
         return;
     }
     let single = Single::new(of);
-    let [mut rises, mut cosines] = [(); 2].map(|()| vec![0.0f32; width]);
+    let [mut rises, mut versines] = [(); 2].map(|()| vec![0.0f32; width]);
     for (y, to) in to.chunks_exact_mut(width).enumerate() {
         vectorized!(rises_of(Row::new(gaze, y), &mut rises));
         let range = range.row(y);
         vectorized!(scattered(&single, range, &rises, to));
         if let Some(sun) = &of.sun {
-            vectorized!(rises_of(Row::toward(gaze, y, sun.toward), &mut cosines));
+            vectorized!(versines_of(Row::toward(gaze, y, sun.toward), &mut versines));
             let sunny = SunnySingle::new(of, sun);
-            vectorized!(sunlit(
-                &single,
-                &sunny,
-                range,
-                Rays {
-                    rises: &rises,
-                    cosines: &cosines
-                },
-                to
-            ));
+            let rays = Rays {
+                rises: &rises,
+                versines: &versines,
+            };
+            vectorized!(sunlit(&single, &sunny, range, rays, to));
+            for start in (0..width).step_by(RUN) {
+                let run = start..(start + RUN).min(width);
+                let rays = Rays {
+                    rises: &rises[run.clone()],
+                    versines: &versines[run.clone()],
+                };
+                if rays.versines.iter().any(|&versine| versine <= REACH as f32) {
+                    vectorized!(aureole(
+                        &single,
+                        &sunny,
+                        &range[run.clone()],
+                        rays,
+                        &mut to[run.clone()]
+                    ));
+                }
+            }
         }
         for start in (0..width).step_by(RUN) {
             let run = start..(start + RUN).min(width);
@@ -202,6 +214,11 @@ struct SunnySingle {
     /// c and c/μ_s.
     attenuation: f32,
     growth: f32,
+    /// ln(p_a + p(25°)), and p(25°).
+    aureole: [f32; AUREOLE_TERMS],
+    edge: f32,
+    /// c + (1 − w) b.
+    all_scattering: f32,
 }
 
 impl SunnySingle {
@@ -211,15 +228,18 @@ impl SunnySingle {
             phase: of.field.sunny.single(),
             attenuation: of.field.attenuation as f32,
             growth: (of.field.attenuation / sun.rise) as f32,
+            aureole: of.field.aureole.logarithm.single(),
+            edge: of.field.aureole.edge as f32,
+            all_scattering: (of.field.attenuation + of.field.peak) as f32,
         }
     }
 }
 
-/// Cosines of the rays of a row from the vertical and from the sun.
+/// Rays of a row: their cosines from the vertical, and 1 − cos of their angles to the sun.
 #[derive(Clone, Copy)]
 struct Rays<'a> {
     rises: &'a [f32],
-    cosines: &'a [f32],
+    versines: &'a [f32],
 }
 
 /// `(1 − e^{−k z})/k` for exponents from [`MOST_GAIN`] on.
@@ -247,11 +267,27 @@ fn scattered(of: &Single, range: &[f32], rises: &[f32], to: &mut [f32]) {
 #[inline(always)]
 fn sunlit(of: &Single, sunny: &SunnySingle, range: &[f32], rays: Rays<'_>, to: &mut [f32]) {
     const PEAK: f32 = PEAK_COSINE as f32;
-    let rays = rays.rises.iter().zip(rays.cosines);
-    for (to, (&z, (&rise, &cosine))) in to.iter_mut().zip(range.iter().zip(rays)) {
+    let rays = rays.rises.iter().zip(rays.versines);
+    for (to, (&z, (&rise, &versine))) in to.iter_mut().zip(range.iter().zip(rays)) {
+        let cosine = 1.0 - versine;
         let cosine = if cosine < PEAK { cosine } else { PEAK };
         let density = exp_negative(-horner(sunny.phase, cosine));
         let rate = sunny.attenuation - sunny.growth * rise;
+        *to += sunny.light * density * effective_length(rate, of.length(z, rise));
+    }
+}
+
+/// Adds the aureole of the sun.
+#[inline(always)]
+fn aureole(of: &Single, sunny: &SunnySingle, range: &[f32], rays: Rays<'_>, to: &mut [f32]) {
+    let rays = rays.rises.iter().zip(rays.versines);
+    for (to, (&z, (&rise, &versine))) in to.iter_mut().zip(range.iter().zip(rays)) {
+        let is_near = versine <= REACH as f32;
+        let versine = if is_near { versine } else { REACH as f32 };
+        let place = ((versine + CORE as f32).sqrt().sqrt() - MIDDLE as f32) * STRETCH as f32;
+        let density = exp_negative(-horner(sunny.aureole, place)) - sunny.edge;
+        let density = if is_near && density > 0.0 { density } else { 0.0 };
+        let rate = sunny.all_scattering - sunny.growth * rise;
         *to += sunny.light * density * effective_length(rate, of.length(z, rise));
     }
 }

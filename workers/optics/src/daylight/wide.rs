@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use spec::PhaseFunction;
 
-use crate::lamp::{FournierForand, asymmetry_of};
-use crate::legendre::gauss_legendre;
+use super::cumulative::CumulativePhase;
+use crate::legendre::{gauss_legendre, legendre_values};
 use crate::polynomial::Polynomial;
 
 /// Cosine of 25°. Light that is scattered by less stays with the ray that it comes from; surfaces and sky keep it.
@@ -24,6 +24,8 @@ const STEP: f64 = 1e-4;
 /// The phase function with its peak cut off: within 25° it is that of 25°.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WideScattering {
+    /// The phase function with its peak.
+    pub(super) cumulative: CumulativePhase,
     /// Share of the scattered light that is left.
     pub share: f64,
     /// Logarithm of the phase function, 1/sr, by the cosine of the scattering angle.
@@ -34,28 +36,17 @@ impl WideScattering {
     /// That of water with this b_b/b.
     #[must_use]
     pub fn new(phase: PhaseFunction, backscatter_fraction: f64) -> Self {
-        match phase {
-            PhaseFunction::Hg => {
-                let g = asymmetry_of(backscatter_fraction);
-                Self::from_shares(|v| henyey_greenstein_within(g, v))
-            }
-            PhaseFunction::Ff => {
-                let particles = FournierForand::of_backscatter(backscatter_fraction);
-                Self::from_shares(|v| particles.within(v))
-            }
-        }
-    }
-
-    /// The function whose share of light within an angle of `1 − cos = v` is given.
-    fn from_shares(within: impl Fn(f64) -> f64) -> Self {
+        let cumulative = CumulativePhase::new(phase, backscatter_fraction);
         let density = |v: f64| {
             let (low, high) = ((v - STEP).max(0.0), (v + STEP).min(2.0));
-            ((within(high) - within(low)) / (high - low) / TAU).max(f64::MIN_POSITIVE)
+            let light = cumulative.within(high) - cumulative.within(low);
+            (light / (high - low) / TAU).max(f64::MIN_POSITIVE)
         };
         let peak = 1.0 - PEAK_COSINE;
         let samples = cosines().map(|cosine| [cosine, density(1.0 - cosine).ln(), 1.0]);
         Self {
-            share: 1.0 - within(peak) + density(peak) * TAU * peak,
+            cumulative,
+            share: 1.0 - cumulative.within(peak) + density(peak) * TAU * peak,
             logarithm: Polynomial::fit(samples),
         }
     }
@@ -71,7 +62,7 @@ impl WideScattering {
         let mut moments = [0.0; MOMENTS];
         for (cosine, weight) in gauss_legendre(NODES) {
             let light = TAU * weight * self.density(cosine);
-            for (moment, value) in moments.iter_mut().zip(legendre(cosine)) {
+            for (moment, value) in moments.iter_mut().zip(legendre_values::<MOMENTS>(cosine)) {
                 *moment += light * value;
             }
         }
@@ -97,7 +88,10 @@ pub(super) struct Repeated {
 
 impl Repeated {
     pub(super) fn density(&self, cosine: f64) -> f64 {
-        let terms = legendre(cosine).into_iter().zip(self.squares).enumerate();
+        let terms = legendre_values::<MOMENTS>(cosine)
+            .into_iter()
+            .zip(self.squares)
+            .enumerate();
         let sum: f64 = terms
             .map(|(l, (value, square))| (2.0 * l as f64 + 1.0) * square * value)
             .sum();
@@ -113,25 +107,10 @@ fn cosines() -> impl Iterator<Item = f64> {
     })
 }
 
-fn legendre(x: f64) -> [f64; MOMENTS] {
-    let mut values = [1.0; MOMENTS];
-    values[1] = x;
-    for l in 2..MOMENTS {
-        let degree = l as f64;
-        values[l] = ((2.0 * degree - 1.0) * x * values[l - 1] - (degree - 1.0) * values[l - 2]) / degree;
-    }
-    values
-}
-
-/// Henyey and Greenstein 1941: share within `1 − cos = v`.
-fn henyey_greenstein_within(g: f64, v: f64) -> f64 {
-    let s = ((1.0 - g) * (1.0 - g) + 2.0 * g * v).sqrt();
-    (1.0 + g) * v / ((s + 1.0 - g) * s)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lamp::asymmetry_of;
 
     /// The fit stays within this share of the phase function.
     const FIT: f64 = 0.05;

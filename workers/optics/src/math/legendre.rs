@@ -1,4 +1,4 @@
-//! Nodes and weights of Gauss–Legendre quadrature.
+//! Legendre polynomials, and nodes and weights of Gauss–Legendre quadrature.
 
 /// The nodes `x` and weights `w` on −1..=1 of the rule that integrates polynomials of degree 2n − 1 exactly, from the largest
 /// node to the smallest: the roots of the Legendre polynomial P_n by Newton's method, `w = 2 / ((1 − x²) P_n'(x)²)`.
@@ -29,6 +29,17 @@ fn node(i: usize, n: usize) -> (f64, f64) {
         }
     }
     (x, 2.0 / ((1.0 - x * x) * slope * slope))
+}
+
+/// `P_0 … P_{N − 1}` at a point of −1..=1; N is at least 2.
+pub(crate) fn legendre_values<const N: usize>(x: f64) -> [f64; N] {
+    let mut values = [1.0; N];
+    values[1] = x;
+    for l in 2..N {
+        let degree = l as f64;
+        values[l] = ((2.0 * degree - 1.0) * x * values[l - 1] - (degree - 1.0) * values[l - 2]) / degree;
+    }
+    values
 }
 
 #[cfg(test)]

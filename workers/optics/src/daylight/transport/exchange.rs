@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::super::aureole::ForwardPeak;
 use super::super::wide::WideScattering;
 use crate::daylight::model::{CRITICAL_COSINE, fresnel};
 use crate::legendre::gauss_legendre;
@@ -33,6 +34,7 @@ pub(in crate::daylight) struct Exchange {
     /// 2π times the mean phase function from the second direction into the first, times the weight of the second.
     pub(in crate::daylight) kernel: [[f64; DIRECTIONS]; DIRECTIONS],
     pub(in crate::daylight) wide: WideScattering,
+    pub(in crate::daylight) peak: ForwardPeak,
 }
 
 impl Exchange {
@@ -72,6 +74,7 @@ impl Exchange {
         Self {
             directions,
             kernel,
+            peak: ForwardPeak::new(&wide),
             wide,
         }
     }

@@ -14,18 +14,21 @@ const SEARCH: usize = 64;
 const BETWEEN_SAMPLES: f64 = 1.5;
 /// Roundings of exponentials, lengths and products, as a share of their result.
 const FACTORS: f64 = 24.0;
+/// Roundings of the argument of the aureole, in steps of it: of its roots, and of a difference that stretches them.
+const ROOT: f64 = 8.0;
 /// Light that has lost this many e-folds is 0 in f32.
 const OPAQUE: f64 = 87.0;
 /// Darker veils may be lost in f32.
 const UNDERFLOW: f64 = 1e-30;
 
 impl SunnyWater {
-    /// Cosines from the sun of the rays at this cosine from the vertical that are nearest to it and farthest from it.
-    fn cosines(&self, rise: f64) -> [f64; 2] {
+    /// 1 − cos of the angles to the sun of the rays at this cosine from the vertical that are nearest to it and farthest from it.
+    fn versines(&self, rise: f64) -> [f64; 2] {
         let across = ((1.0 - rise * rise) * (1.0 - self.rise * self.rise))
             .max(0.0)
             .sqrt();
-        [rise * self.rise + across, rise * self.rise - across]
+        let cosine = rise * self.rise;
+        [(1.0 - cosine - across).max(0.0), 1.0 - cosine + across]
     }
 }
 
@@ -36,7 +39,7 @@ impl VeilOf {
             return 0.0;
         }
         let step = (rises.1 - rises.0) / SEARCH as f64;
-        let light = sample(rises).map(|rise| self.most(rise, is_open).sum());
+        let light = self.sample(rises).map(|rise| self.most(rise, is_open).sum());
         // Between two steps the logarithms rise by no more than their slopes allow.
         let slope = self.field.source.magnitude() + 0.5 * self.field.mirrored.magnitude();
         light.fold(0.0, f64::max) * (0.5 * step * slope.min(40.0)).exp()
@@ -46,15 +49,24 @@ impl VeilOf {
     fn most(&self, rise: f64, is_open: bool) -> VeilParts {
         let length = self.end(rise);
         let sunlit = self.sun.map_or(0.0, |sun| {
-            let lights = sun.cosines(rise).map(|cosine| {
+            let lights = sun.versines(rise).map(|versine| {
                 self.field.sunlit(SunnyRay {
                     rise,
                     length,
-                    cosine,
+                    versine,
                     sun_rise: sun.rise,
                 })
             });
             lights[0].max(lights[1])
+        });
+        let aureole = self.sun.map_or(0.0, |sun| {
+            let [versine, _] = sun.versines(rise);
+            self.field.most_aureole(SunnyRay {
+                rise,
+                length,
+                versine,
+                sun_rise: sun.rise,
+            })
         });
         let surface = if is_open {
             self.field.surface(rise, self.depth)
@@ -64,6 +76,7 @@ impl VeilOf {
         VeilParts {
             scattered: self.light * self.field.scattered(rise, length),
             sunlit: self.light * sunlit,
+            aureole: self.light * aureole,
             surface: self.light * surface,
         }
     }
@@ -71,7 +84,7 @@ impl VeilOf {
     /// Bound of the f32 roundings of the veil between two cosines, mostly as a share of it: no other light makes a sample darker than its
     /// veil. Only the edge of Snell's window is so steep that a rounding of the direction is no small share of the light there.
     pub(crate) fn rounding(&self, rises: (f64, f64), is_open: bool) -> ErrorBound {
-        let steps = sample(rises).map(|rise| self.rounding_at(rise, is_open));
+        let steps = self.sample(rises).map(|rise| self.rounding_at(rise, is_open));
         let has_edge = is_open && rises.1 > CRITICAL_COSINE - BLURRED_EDGE;
         let window = (self.light * self.field.sky).min(self.brightest(rises, is_open));
         let edge = if has_edge {
@@ -83,6 +96,13 @@ impl VeilOf {
             absolute: UNDERFLOW + edge,
             relative: BETWEEN_SAMPLES * steps.fold(0.0, f64::max),
         }
+    }
+
+    /// Cosines at which the veil is sampled, with the one that is nearest to the sun.
+    fn sample(&self, (low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+        let nearest = self.sun.map(|sun| sun.rise.clamp(low, high));
+        let steps = (0..=SEARCH).map(move |k| low + (high - low) * k as f64 / SEARCH as f64);
+        steps.chain(nearest)
     }
 
     fn rounding_at(&self, rise: f64, is_open: bool) -> f64 {
@@ -102,13 +122,27 @@ impl VeilOf {
         let sunlit = self.sun.map_or(0.0, |sun| {
             let rate = field.attenuation * (1.0 - rise / sun.rise);
             let rates = 6.0 * field.attenuation * (1.0 + size / sun.rise);
-            let [near, far] = sun.cosines(rise).map(|cosine| cosine.abs().min(PEAK_COSINE));
+            let [near, far] = sun
+                .versines(rise)
+                .map(|versine| (1.0 - versine).abs().min(PEAK_COSINE));
             field.sunny.roundings(near.max(far)) + rates * lengthening(rate)
+        });
+        let aureole = self.sun.map_or(0.0, |sun| {
+            let rate = field.attenuation * (1.0 - rise / sun.rise) + field.peak;
+            let rates = 6.0 * (field.attenuation * (1.0 + size / sun.rise) + field.peak);
+            let logarithm = &field.aureole.logarithm;
+            logarithm.roundings(1.0) + ROOT * logarithm.magnitude() + rates * lengthening(rate)
         });
         let lost = (field.attenuation + field.peak) * self.depth / rise.max(LEAST_COSINE);
         let surface = 6.0 * lost.min(OPAQUE) + field.mirrored.roundings(size);
-        let roundings = parts.scattered * scattered + parts.sunlit * sunlit + parts.surface * surface;
-        STEP * (FACTORS + roundings / parts.sum().max(UNDERFLOW))
+        let even = parts.scattered * scattered + parts.sunlit * sunlit + parts.surface * surface;
+        // Rays at one cosine from the vertical are near the sun or far from it.
+        let shares = [
+            (even, parts.sum() - parts.aureole),
+            (even + parts.aureole * aureole, parts.sum()),
+        ];
+        let most = shares.map(|(roundings, light)| roundings / light.max(UNDERFLOW));
+        STEP * (FACTORS + most[0].max(most[1]))
     }
 }
 
@@ -119,17 +153,14 @@ struct VeilParts {
     scattered: f64,
     /// Singly scattered sunlight.
     sunlit: f64,
+    /// The aureole of the sun.
+    aureole: f64,
     /// Light from the surface of the sea.
     surface: f64,
 }
 
 impl VeilParts {
     fn sum(self) -> f64 {
-        self.scattered + self.sunlit + self.surface
+        self.scattered + self.sunlit + self.aureole + self.surface
     }
-}
-
-/// Cosines at which the veil is sampled.
-fn sample((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
-    (0..=SEARCH).map(move |k| low + (high - low) * k as f64 / SEARCH as f64)
 }
