@@ -165,7 +165,7 @@ impl<'a> Preview<'a> {
 
     fn with_veil_occlusion(&self) -> Option<[Rgb<f32>; 2]> {
         let daylight = self.daylight().filter(|daylight| daylight.occludes_veil())?;
-        let access = daylight::veil_access(&self.range, daylight, self.clearest(), self.rays()?);
+        let access = daylight::veil_access(&self.range, daylight, self.rays()?);
         let (mut veil, plain) = (self.veil().clone(), self.plain().clone());
         let mut total = plain.clone();
         daylight::occlude_veil(&mut veil, &mut total, &access);

@@ -117,14 +117,10 @@ fn occlude_veil(context: &FrameContext<'_>, layers: &mut Layers) {
     else {
         return;
     };
-    let clearest = water
-        .direct_attenuation()
-        .into_iter()
-        .fold(f64::INFINITY, f64::min);
     let access = match context.plan.variant(StageId::VeilOcclusion) {
         Variant::Skip => return,
-        Variant::Reference => daylight::veil_access_reference(range, daylight, clearest, rays),
-        _ => daylight::veil_access(range, daylight, clearest, rays),
+        Variant::Reference => daylight::veil_access_reference(range, daylight, rays),
+        _ => daylight::veil_access(range, daylight, rays),
     };
     daylight::occlude_veil(&mut layers.backscatter, &mut layers.scattered, &access);
 }

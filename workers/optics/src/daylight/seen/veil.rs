@@ -8,9 +8,10 @@
 //! V = Σ L(μ_ω) p(ω·v) s(ω) / Σ L(μ_ω) p(ω·v)
 //! ```
 //!
-//! s is 1 in a direction without occluder within 1.5 attenuation lengths, else the share of light of the water before the occluder.
-//! Its distance is assumed uniform in that length: `1 − (1 − e^{−1.5})/1.5`. The sun has separate shadow rays from more points:
-//! each is either lit or in shadow, and few points would leave steps in the veil.
+//! s is 1 in a direction without occluder. Before an occluder at the distance d, the water sends the share `1 − e^{−c d}`, which is the
+//! probability that a length drawn from `e^{−c t}` is shorter than d. The shadow rays have three such lengths in turn. c = a + w b is the
+//! attenuation of the veil in the clearest channel, without the forward peak. The sun has separate shadow rays from more points: each
+//! is either lit or in shadow, and few points would leave steps in the veil.
 
 use std::array::from_fn;
 
@@ -29,10 +30,8 @@ const PLACES: usize = 3;
 const DIRECTIONS: usize = 16;
 /// Points along each line of sight with a shadow ray toward the sun.
 const SUN_PLACES: usize = 12;
-/// Attenuation lengths within which occluders count.
-const REACH: f64 = 1.5;
-/// Light of the water before an occluder: the mean of `1 − e^{−x}` over 0..1.5.
-const BEFORE_OCCLUDER: f64 = 0.482;
+/// Attenuation lengths of the shadow rays all around, `−ln(1 − (k + 1/2)/3)`.
+const REACHES: [f64; PLACES] = [0.182_321_557, std::f64::consts::LN_2, 1.791_759_469];
 /// Attenuation lengths of a line of sight without a surface.
 const FARTHEST: f64 = 8.0;
 /// The golden angle.
@@ -40,11 +39,11 @@ const TURN: f64 = 2.399_963_229_728_653;
 /// Lines of sight in one batch.
 const BATCH: usize = 64;
 
-/// The share of the veil that remains at every pixel. `attenuation` is c of the clearest channel. Interpolates between lines of sight of
+/// The share of the veil that remains at every pixel. Interpolates between lines of sight of
 /// coarse grids where these agree, see [`Grid`].
 #[must_use]
-pub fn veil_access(range: &Plane<f32>, daylight: &Daylight, attenuation: f64, rays: &dyn Rays) -> Plane<f32> {
-    let veil = OccludedVeil::new(daylight, attenuation);
+pub fn veil_access(range: &Plane<f32>, daylight: &Daylight, rays: &dyn Rays) -> Plane<f32> {
+    let veil = OccludedVeil::new(daylight);
     let lost = range.map(|&z| veil.lost(veil.length(z)) as f32);
     let mut access = Plane::filled(range.width(), range.height(), f32::NAN);
     let mut grid = Some(Grid::coarsest(range.size()));
@@ -59,13 +58,8 @@ pub fn veil_access(range: &Plane<f32>, daylight: &Daylight, attenuation: f64, ra
 
 /// [`veil_access`] at every pixel, one ray after the other.
 #[must_use]
-pub fn veil_access_reference(
-    range: &Plane<f32>,
-    daylight: &Daylight,
-    attenuation: f64,
-    rays: &dyn Rays,
-) -> Plane<f32> {
-    let veil = OccludedVeil::new(daylight, attenuation);
+pub fn veil_access_reference(range: &Plane<f32>, daylight: &Daylight, rays: &dyn Rays) -> Plane<f32> {
+    let veil = OccludedVeil::new(daylight);
     Plane::from_fn(range.width(), range.height(), |x, y| {
         let line = veil.line(range, [x, y]);
         let is_clear = |k: usize| {
@@ -119,6 +113,7 @@ struct ShadowRay {
 /// The geometry and the weights of an occluded veil.
 struct OccludedVeil<'a> {
     daylight: &'a Daylight,
+    /// c = a + w b of the clearest channel, per length of the range.
     attenuation: f64,
     up: DVec3,
     directions: [DVec3; DIRECTIONS],
@@ -129,7 +124,9 @@ struct OccludedVeil<'a> {
 }
 
 impl<'a> OccludedVeil<'a> {
-    fn new(daylight: &'a Daylight, attenuation: f64) -> Self {
+    fn new(daylight: &'a Daylight) -> Self {
+        let attenuations = daylight.fields.each_ref().map(|field| field.attenuation);
+        let clearest = attenuations.into_iter().fold(f64::INFINITY, f64::min);
         let direction = |k: usize| {
             let rise = 1.0 - (2.0 * k as f64 + 1.0) / DIRECTIONS as f64;
             let level = (1.0 - rise * rise).sqrt();
@@ -140,7 +137,7 @@ impl<'a> OccludedVeil<'a> {
         let directions: [DVec3; DIRECTIONS] = from_fn(direction);
         Self {
             daylight,
-            attenuation: attenuation.max(1e-6),
+            attenuation: clearest.max(1e-6),
             up,
             directions,
             radiances: directions.map(|direction| daylight.fields[1].around.value(direction.dot(up)).exp()),
@@ -195,17 +192,17 @@ impl<'a> OccludedVeil<'a> {
     }
 
     /// Shadow ray `k` of a line of sight: [`DIRECTIONS`] from each of its [`PLACES`], then those toward the sun. Each ends at the sea
-    /// surface, and those not toward the sun within [`REACH`].
+    /// surface, and those not toward the sun after one of the [`REACHES`]: each place and each direction has all of them.
     fn shadow_ray(&self, line: &Line, k: usize) -> ShadowRay {
         let (meters, direction, reach) = match self.sun {
             Some(sun) if k >= PLACES * DIRECTIONS => {
                 (line.sun_places[k - PLACES * DIRECTIONS], sun, FARTHEST)
             }
-            _ => (
-                line.places[k / DIRECTIONS],
-                self.directions[k % DIRECTIONS],
-                REACH,
-            ),
+            _ => {
+                let (place, direction) = (k / DIRECTIONS, k % DIRECTIONS);
+                let reach = REACHES[(place + direction) % PLACES];
+                (line.places[place], self.directions[direction], reach)
+            }
         };
         let start = line.direction * meters;
         let surface = to_sea(self.daylight, start, direction.dot(self.up));
@@ -253,9 +250,8 @@ impl<'a> OccludedVeil<'a> {
             let clear = (0..PLACES)
                 .filter(|place| is_clear(place * DIRECTIONS + k))
                 .count() as f64;
-            let remains = clear / PLACES as f64;
             all += weight;
-            open += weight * (remains + (1.0 - remains) * BEFORE_OCCLUDER);
+            open += weight * clear / PLACES as f64;
         }
         let sky = open / all;
         self.sun.map_or(sky, |_| {
