@@ -27,8 +27,8 @@ pub(super) const CORE: f64 = 2e-3;
 /// `(CORE + v)^{1/4}` in the middle of its range, and the inverse of half that range.
 pub(super) const MIDDLE: f64 = 0.526_605_153;
 pub(super) const STRETCH: f64 = 3.173_284_496;
-/// Waves spread the sun by 1.5° along each axis, rad: a wind of 4 m/s has slopes of 6° there (Cox and Munk 1954), of which refraction turns
-/// a quarter into directions.
+/// Waves spread the sun by 1.5° along each axis, rad: slopes are 6° in a wind of 4 m/s (Cox and Munk 1954), and refraction turns light by a
+/// quarter of them.
 const WAVES: f64 = 0.027;
 /// Legendre moments; the factor of the waves is below 1e-6 beyond.
 const MOMENTS: usize = 200;
@@ -39,7 +39,7 @@ const NARROWEST: f64 = 1e-4;
 /// Samples of the fit.
 const SAMPLES: usize = 32;
 
-/// Upper bound of the fit over its own values at smaller angles: it is within 18 % of a function that falls.
+/// Upper bound of the fit over its values at smaller angles: it is within 18 % of a function that falls.
 const RIPPLE: f64 = 1.18 / 0.82;
 /// Optical thickness below which only single scattering is left.
 const THINNEST: f64 = 1e-6;
@@ -73,7 +73,7 @@ impl ForwardPeak {
         }
     }
 
-    /// The aureole after a path on which the peak has this optical thickness.
+    /// The aureole after a path of this optical thickness of the peak.
     pub(super) fn aureole(&self, thickness: f64) -> Aureole {
         let series = self.series(thickness);
         let samples = (0..SAMPLES).map(|k| {
@@ -112,11 +112,11 @@ impl Series {
     }
 }
 
-/// Light that is scattered into a ring around its direction.
+/// Scattering into a ring around the direction of light.
 #[derive(Debug, Clone, Copy)]
 struct Ring {
     cosine: f64,
-    /// Its share of all scattered light, without what is scattered widely.
+    /// Its share of all scattered light, without the wide part.
     light: f64,
 }
 

@@ -5,3 +5,4 @@ mod channels;
 mod checks;
 mod golden;
 mod support;
+mod veil;

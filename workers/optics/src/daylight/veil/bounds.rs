@@ -98,7 +98,7 @@ impl VeilOf {
         }
     }
 
-    /// Cosines at which the veil is sampled, with the one that is nearest to the sun.
+    /// Cosines of samples of the veil, including the one nearest to the sun.
     fn sample(&self, (low, high): (f64, f64)) -> impl Iterator<Item = f64> {
         let nearest = self.sun.map(|sun| sun.rise.clamp(low, high));
         let steps = (0..=SEARCH).map(move |k| low + (high - low) * k as f64 / SEARCH as f64);
