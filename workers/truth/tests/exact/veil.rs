@@ -12,7 +12,7 @@ use crate::support::{Solids, along, radiance, scene, water};
 
 /// The veil over that of Monte Carlo: the fits of the veil are within 8 and 18 % of their references.
 const BY_DIRECTION: [f64; 2] = [0.85, 1.18];
-/// Standard errors by which a mean may be beyond the limits.
+/// Allowance for the noise of the truth, standard errors.
 const ERRORS: f64 = 4.0;
 const PATHS: u64 = 6_400;
 const DEPTH_M: f64 = 5.0;
