@@ -7,9 +7,12 @@
 //! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions")
 //! that transforms two real lines together. [`Dct2`] is the plain variant in f64, [`PairDct`] the fast one in f32.
 
+mod axis;
+mod butterfly;
 mod folding;
 mod group;
 mod pair;
+mod prime;
 
 pub use folding::Folding;
 pub use pair::PairDct;

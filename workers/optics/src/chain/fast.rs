@@ -205,7 +205,8 @@ fn channels_of_two<'a>(
         let Some(Kernels {
             narrow: near,
             wide,
-            wide_step,
+            narrow_coarse,
+            wide_coarse,
         }) = layers.first()
         else {
             continue;
@@ -215,13 +216,16 @@ fn channels_of_two<'a>(
         let [mut own, mut beyond] = [(); 2].map(|()| empty(frame.range, cache));
         own.data_mut().copy_from_slice(light.data());
         vectorized!(tail.split(c, range.data(), own.data_mut(), beyond.data_mut()));
-        let parts = [(near, narrow, own, 1), (wide, &tail.spread, beyond, *wide_step)];
-        for (nodes, spread, part, step) in parts {
+        let parts = [
+            (near, narrow, own, *narrow_coarse),
+            (wide, &tail.spread, beyond, *wide_coarse),
+        ];
+        for (nodes, spread, part, coarse) in parts {
             if let Some(nodes) = nodes {
                 let mut gamma = empty(frame.range, cache);
                 vectorized!(spread.scales(c, widest, range.data(), gamma.data_mut()));
                 let channel = forward_scatter::Channel::new(&part, &gamma, nodes, cache);
-                channels.push(channel.on_coarse_rows(step).part_of(places.len()));
+                channels.push(channel.on_coarse_rows(coarse).part_of(places.len()));
                 cache.buffers.give([gamma.into_data()]);
             }
             cache.buffers.give([part.into_data()]);

@@ -1,6 +1,6 @@
 //! Need of scattered light, and the number of terms of its kernels.
 
-use crate::forward_scatter::{Bound, Nodes, ScaleLight, place, scale_at, widest_px};
+use crate::forward_scatter::{Bound, Nodes, ScaleLight, place, scale_at};
 use crate::layering::Layering;
 use crate::plan::{SceneBounds, Variant};
 use crate::water::Water;
@@ -32,14 +32,6 @@ pub(super) struct ScatterNeed<'a> {
     pub(super) channel: usize,
     /// Layers behind gates, where the frame has some.
     pub(super) layering: Option<&'a Layering>,
-}
-
-impl ScatterNeed<'_> {
-    /// The longer and the shorter side of the frame, pixels.
-    pub(super) fn frame_sides(&self) -> (usize, usize) {
-        let longer = (self.bounds.widest_px / widest_px(1, 1)) as usize;
-        (longer, self.bounds.pixels / longer.max(1))
-    }
 }
 
 /// The fewest nodes over a span of scales whose error is at most `share`, and that error. Errors fall about as a power of the number of

@@ -24,4 +24,4 @@ pub(super) fn assess(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) ->
     Some(stage.costing(VEIL_NS, bounds.pixels))
 }
 
-pub(super) const VEIL_NS: f64 = 10.0;
+pub(super) const VEIL_NS: f64 = 20.0;

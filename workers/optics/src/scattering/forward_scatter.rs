@@ -28,7 +28,7 @@ pub use cache::KernelCache;
 pub(crate) use channel::Channel;
 pub use chebyshev::{gather, scatter};
 pub(crate) use chebyshev::{gather_channels, scatter_channels};
-pub(crate) use decimation::{aliasing, steps};
+pub use decimation::Coarseness;
 pub(crate) use gate::{Gate, OPAQUE_GATE};
 pub(crate) use gated::{Source, gated_channels};
 pub(crate) use layer::{FILL_LEAST, fill_gamma_px};

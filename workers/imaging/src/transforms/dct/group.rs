@@ -1,5 +1,7 @@
 //! Groups of columns for the fast transform.
 
+use super::axis::Direction;
+use super::butterfly;
 use crate::fft::Complex;
 
 /// Columns that are transformed together, and as many mirrored ones: eight complex numbers are a cache line.
@@ -92,34 +94,27 @@ impl ColumnGroup {
         }
     }
 
-    /// Applies a butterfly to each column and its mirror.
+    /// Joins each column and its mirror.
     #[inline(always)]
-    pub(super) fn apply(
+    pub(super) fn join(
         self,
-        lines: &mut [Complex<f32>],
+        direction: Direction,
         twiddles: &[Complex<f32>],
+        lines: &mut [Complex<f32>],
         height: usize,
-        butterfly: impl Fn(Complex<f32>, &mut Complex<f32>, &mut Complex<f32>),
     ) {
         if self.low == 0 {
             return;
         }
         if self.is_alone() {
-            for value in lines {
-                let mut mirrored = *value;
-                butterfly(twiddles[self.low], value, &mut mirrored);
-            }
-            return;
+            return butterfly::middle(direction, twiddles[self.low], lines);
         }
         let (low, high) = lines.split_at_mut(self.count * height);
         let pairs = low
             .chunks_exact_mut(height)
             .zip(high.chunks_exact_mut(height).rev());
         for (k, (one, other)) in (self.low..).zip(pairs) {
-            let twiddle = twiddles[k];
-            for (one, other) in one.iter_mut().zip(other) {
-                butterfly(twiddle, one, other);
-            }
+            butterfly::across(direction, twiddles[k], one, other);
         }
     }
 }

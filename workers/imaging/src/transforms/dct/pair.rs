@@ -4,9 +4,10 @@
 //! see [`Folding`](super::Folding). Rows and columns of coefficients are passed on singly while they are in the nearest cache: a
 //! complete plane does not fit there, and writing and reading it would take longer than the FFT.
 
+use super::axis::{AxisBuffers, AxisTransform, Direction};
+use super::butterfly;
 use super::group::{ColumnGroup, TILE};
-use super::twiddle;
-use crate::fft::{self, Complex, Ffts};
+use crate::fft::Complex;
 use crate::{cancel, vectorized};
 
 /// Transforms of pairs of f32 planes of one size. Same scale as [`Dct2`](super::Dct2).
@@ -19,26 +20,7 @@ pub struct PairDct {
     plane: Vec<Complex<f32>>,
     /// Contiguous copies of the current columns.
     tile: Vec<Complex<f32>>,
-    scratch: Vec<Complex<f32>>,
-}
-
-struct AxisTransform {
-    ffts: Ffts<f32>,
-    /// `exp(-iπk/2N)`.
-    twiddles: Vec<Complex<f32>>,
-}
-
-impl AxisTransform {
-    fn new(length: usize) -> Self {
-        let twiddles = (0..length).map(|k| {
-            let twiddle = twiddle(k, length);
-            Complex::new(twiddle.re as f32, twiddle.im as f32)
-        });
-        Self {
-            ffts: fft::single(length),
-            twiddles: twiddles.collect(),
-        }
-    }
+    buffers: AxisBuffers,
 }
 
 impl PairDct {
@@ -47,7 +29,6 @@ impl PairDct {
     pub fn new(width: usize, height: usize) -> Self {
         let rows = AxisTransform::new(width);
         let columns = AxisTransform::new(height);
-        let scratch = vec![Complex::default(); rows.ffts.scratch.max(columns.ffts.scratch)];
         Self {
             width,
             height,
@@ -55,7 +36,7 @@ impl PairDct {
             columns,
             plane: vec![Complex::default(); width * height],
             tile: vec![Complex::default(); 2 * TILE * height],
-            scratch,
+            buffers: AxisBuffers::default(),
         }
     }
 
@@ -86,22 +67,16 @@ impl PairDct {
         for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
             cancel::check();
             fill(y, row);
-            self.rows
-                .ffts
-                .forward
-                .process_with_scratch(row, &mut self.scratch);
+            self.rows.process(row, Direction::Forward, &mut self.buffers);
         }
         for group in ColumnGroup::select_below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             group.load(&self.plane, self.width, lines, self.height);
-            vectorized!(group.apply(lines, &self.rows.twiddles, self.height, forward_butterfly));
+            vectorized!(group.join(Direction::Forward, &self.rows.twiddles, lines, self.height));
             let lines = &mut lines[..group.below_limit(columns) * self.height];
-            self.columns
-                .ffts
-                .forward
-                .process_with_scratch(lines, &mut self.scratch);
+            self.columns.process(lines, Direction::Forward, &mut self.buffers);
             for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
-                vectorized!(apply_along(line, &self.columns.twiddles, forward_butterfly));
+                vectorized!(butterfly::along(Direction::Forward, &self.columns.twiddles, line));
                 take(p, line);
             }
         }
@@ -124,69 +99,20 @@ impl PairDct {
             let (some, none) = lines.split_at_mut(group.below_limit(columns) * self.height);
             for (p, line) in group.places().zip(some.chunks_exact_mut(self.height)) {
                 fill(p, line);
-                vectorized!(apply_along(line, &self.columns.twiddles, inverse_butterfly));
+                vectorized!(butterfly::along(Direction::Inverse, &self.columns.twiddles, line));
             }
-            self.columns
-                .ffts
-                .inverse
-                .process_with_scratch(some, &mut self.scratch);
+            self.columns.process(some, Direction::Inverse, &mut self.buffers);
             none.fill(Complex::default());
-            vectorized!(group.apply(lines, &self.rows.twiddles, self.height, inverse_butterfly));
+            vectorized!(group.join(Direction::Inverse, &self.rows.twiddles, lines, self.height));
             group.store(lines, self.height, &mut self.plane, self.width);
         }
         let scale = 1.0 / (self.width * self.height) as f32;
         for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
-            self.rows
-                .ffts
-                .inverse
-                .process_with_scratch(row, &mut self.scratch);
+            self.rows.process(row, Direction::Inverse, &mut self.buffers);
             vectorized!(row.iter_mut().for_each(|value| *value = value.scale(scale)));
             take(y, row);
         }
     }
-}
-
-/// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 is unchanged.
-#[inline(always)]
-fn apply_along(
-    line: &mut [Complex<f32>],
-    twiddles: &[Complex<f32>],
-    butterfly: impl Fn(Complex<f32>, &mut Complex<f32>, &mut Complex<f32>),
-) {
-    let count = line.len();
-    let pairs = count.div_ceil(2);
-    if pairs > 1 {
-        let (low, high) = line.split_at_mut(count + 1 - pairs);
-        for ((one, other), &twiddle) in low[1..pairs]
-            .iter_mut()
-            .zip(high.iter_mut().rev())
-            .zip(&twiddles[1..pairs])
-        {
-            butterfly(twiddle, one, other);
-        }
-    }
-    if count > 1 && count.is_multiple_of(2) {
-        let value = &mut line[count / 2];
-        let mut mirrored = *value;
-        butterfly(twiddles[count / 2], value, &mut mirrored);
-    }
-}
-
-/// `X[k] = ½(w V[k] + w̄ V[N−k])`, `X[N−k] = ½i (w V[k] − w̄ V[N−k])`.
-#[inline(always)]
-fn forward_butterfly(twiddle: Complex<f32>, one: &mut Complex<f32>, other: &mut Complex<f32>) {
-    let half = twiddle.scale(0.5);
-    let (a, b) = (half * *one, half.conj() * *other);
-    *one = a + b;
-    *other = Complex::new(b.im - a.im, a.re - b.re);
-}
-
-/// `V[k] = w̄ (X[k] − i X[N−k])`, `V[N−k] = w (X[k] + i X[N−k])`.
-#[inline(always)]
-fn inverse_butterfly(twiddle: Complex<f32>, one: &mut Complex<f32>, other: &mut Complex<f32>) {
-    let (x, mirrored) = (*one, *other);
-    *one = twiddle.conj() * Complex::new(x.re + mirrored.im, x.im - mirrored.re);
-    *other = twiddle * Complex::new(x.re - mirrored.im, x.im + mirrored.re);
 }
 
 #[cfg(test)]

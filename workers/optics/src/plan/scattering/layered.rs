@@ -7,7 +7,7 @@ mod two;
 
 use spec::Fidelity;
 
-use crate::forward_scatter::{self, Bound, Kernels, Nodes, aliasing, widest_px};
+use crate::forward_scatter::{Bound, Coarseness, Kernels, Nodes, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::plan::passages::{Passage, Passages};
@@ -22,7 +22,9 @@ use two::{Behind, Two};
 /// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames do not share them.
 const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
 /// Coarse rows may use up this share of the error of the kernels.
-const COARSE_SHARE: f64 = 1.0 / 16.0;
+const COARSE_SHARE: f64 = 1.0 / 8.0;
+/// Rows of a frame for which origins are compared.
+const USUAL_HEIGHT: usize = 492;
 /// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with a margin for one
 /// outside its best position.
 const LEBESGUE: f64 = 3.0;
@@ -57,7 +59,8 @@ pub(crate) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
     }
     if let Fidelity::Terms(terms) = fidelity {
         let nodes = |part: &Part| part.with_passing(Nodes::chebyshev(part.span.0, part.span.1, terms));
-        return (Variant::Layered(kernels(&layers, nodes)), None);
+        let kernels = kernels(&layers, |part| (nodes(part), Coarseness::default()));
+        return (Variant::Layered(kernels), None);
     }
     // Both kernels of all layers may move light onto one pixel.
     let moved = 2.0 * layers.len() as f64 * (1.0 - kernel::center(most)) * brightest;
@@ -73,44 +76,40 @@ pub(crate) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         .layering
         .map_or(0.0, |layering| gate_rounding(need, layering));
     let left = (share - rounding).max(LEAST_SHARE * share);
-    let size = need.frame_sides();
-    let steps = layers.iter().map(|[_, wide]| match wide {
-        Some(wide) => wide.coarse(COARSE_SHARE * left / layers.len() as f64, size),
-        None => Coarse::default(),
-    });
-    let steps: Vec<Coarse> = steps.collect();
-    let coarse = steps.iter().map(|coarse| coarse.error).sum::<f64>();
+    let coarse = COARSE_SHARE * left;
     let mut choices: Vec<Choice<'_>> = parts().map(Choice::new).collect();
     improve(&mut choices, left - coarse);
     let error = rounding + coarse + choices.iter().map(|choice| choice.error).sum::<f64>();
+    let most = coarse / choices.len() as f64;
     let mut chosen = choices.into_iter();
-    let nodes = |_: &Part| chosen.next().expect("a choice for each part").nodes;
-    let mut kernels = kernels(&layers, nodes);
-    for (kernels, coarse) in kernels.iter_mut().zip(steps) {
-        kernels.wide_step = coarse.step;
-    }
+    let kernels = kernels(&layers, |part| {
+        let nodes = chosen.by_ref().next().expect("a choice for each part").nodes;
+        let coarse = part.coarse(most, &nodes);
+        (nodes, coarse)
+    });
     (Variant::Layered(kernels), Some(error))
 }
 
-/// The coarse rows of a kernel, and their error at the camera.
-#[derive(Debug, Clone, Copy, Default)]
-struct Coarse {
-    step: usize,
-    error: f64,
-}
-
 impl Part {
-    /// The coarsest rows in a frame of this size whose error arrives with at most `most`.
-    fn coarse(&self, most: f64, size: (usize, usize)) -> Coarse {
-        let gain = self.way.as_ref().map_or(1.0, |way| way.gain(0.0));
-        let passing = self.passing_light;
-        let light = self.brightest() + passing;
-        let with_error = |step: usize| Coarse {
-            step,
-            error: LEBESGUE * aliasing(self.span.0, step) * light * gain,
+    /// Coarse rows whose error arrives with at most `most`.
+    fn coarse(&self, most: f64, nodes: &Nodes) -> Coarseness {
+        let light = LEBESGUE * (self.brightest() + self.passing_light);
+        let origins = self.origins().into_iter().map(|share| {
+            let (origin, gain) = match &self.way {
+                Some(way) => (share * way.through.gate.gammas[way.kernel], way.gain(share)),
+                None => (0.0, 1.0),
+            };
+            let margin = if share > 0.0 { QUOTIENT_MARGIN } else { 1.0 };
+            Coarseness {
+                limit: most / (light * gain * margin),
+                origin,
+            }
+        });
+        let rows = |coarse: &Coarseness| -> usize {
+            let rows = (0..nodes.terms()).map(|k| coarse.rows(nodes.gamma(k), USUAL_HEIGHT));
+            rows.map(|rows| rows.unwrap_or(USUAL_HEIGHT)).sum()
         };
-        let mut steps = forward_scatter::steps(self.span.0, size).map(with_error);
-        steps.find(|coarse| coarse.error <= most).unwrap_or_default()
+        origins.min_by_key(rows).unwrap_or_default()
     }
 }
 
@@ -204,6 +203,15 @@ impl Part {
                 gain: 1.0,
             }];
         };
+        let origins = self.origins().into_iter();
+        origins.map(|share| self.ladder_from(way, share)).collect()
+    }
+
+    /// Origins to try, as shares of the kernel's scale at the gate in front.
+    fn origins(&self) -> Vec<f64> {
+        let Some(way) = &self.way else {
+            return vec![0.0];
+        };
         let shares = if way.gain(0.0) > FEW_TIMES * way.gain(1.0) {
             ORIGINS
         } else {
@@ -211,9 +219,8 @@ impl Part {
         };
         // A kernel narrower than the origin cannot be divided by it.
         let origin = |share: f64| share * way.through.gate.gammas[way.kernel];
-        let fits = |share: f64| share == 0.0 || origin(share) <= self.passing.unwrap_or(f64::INFINITY);
-        let fitting = shares.iter().filter(|&&share| fits(share));
-        fitting.map(|&share| self.ladder_from(way, share)).collect()
+        let fits = |share: &f64| *share == 0.0 || origin(*share) <= self.passing.unwrap_or(f64::INFINITY);
+        shares.iter().copied().filter(fits).collect()
     }
 
     /// Kernels interpolated from the origin `share` γ of the gate.
@@ -266,11 +273,19 @@ fn gate_rounding(need: &ScatterNeed<'_>, layering: &Layering) -> f64 {
     rounding.sum()
 }
 
-fn kernels(layers: &[[Option<Part>; 2]], mut nodes: impl FnMut(&Part) -> Nodes) -> Vec<Kernels> {
-    let kernels = layers.iter().map(|[narrow, wide]| Kernels {
-        narrow: narrow.as_ref().map(&mut nodes),
-        wide: wide.as_ref().map(&mut nodes),
-        wide_step: 1,
+fn kernels(
+    layers: &[[Option<Part>; 2]],
+    mut choose: impl FnMut(&Part) -> (Nodes, Coarseness),
+) -> Vec<Kernels> {
+    let kernels = layers.iter().map(|[narrow, wide]| {
+        let (narrow, narrow_coarse) = narrow.as_ref().map(&mut choose).unzip();
+        let (wide, wide_coarse) = wide.as_ref().map(&mut choose).unzip();
+        Kernels {
+            narrow,
+            wide,
+            narrow_coarse: narrow_coarse.unwrap_or_default(),
+            wide_coarse: wide_coarse.unwrap_or_default(),
+        }
     });
     kernels.collect()
 }

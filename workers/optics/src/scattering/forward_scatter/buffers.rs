@@ -4,7 +4,7 @@
 /// with. Of larger frames fewer are kept.
 pub(super) const MOST_KEPT_BYTES: usize = 160 << 20;
 /// The most that a frame uses at a time.
-const MOST_KEPT: usize = 20;
+const MOST_KEPT: usize = 36;
 
 /// Unused planes of one length.
 #[derive(Default)]

@@ -14,9 +14,8 @@ use crate::kernel::{GateReach, Transfer};
 /// least recently used goes.
 const CACHE_BYTES: usize = 64 << 20;
 
-/// Transforms and decimations are kept for this number of sizes: of a frame, of its coarse rows for filling, and of those for
-/// kernels.
-const MOST_SIZES: usize = 4;
+/// Transforms and decimations are kept for this number of sizes: of a frame, and of its coarse rows.
+const MOST_SIZES: usize = 10;
 
 /// Transfer functions by (kernel scale, frame size), least recently used first out, and the transforms of the last sizes with
 /// their planes. One for each thread, for a frame is computed on one.
@@ -25,21 +24,33 @@ pub struct KernelCache {
     grids: HashMap<Key, Entry>,
     clock: u64,
     bytes: usize,
+    /// Part of it behind gates.
+    gated_bytes: usize,
     /// Of a frame and of its coarse rows, the last used first.
     transforms: Vec<PairDct>,
     decimations: Vec<Arc<Decimation>>,
     pub(crate) buffers: Buffers,
-    /// Coarse rows of the last transform.
-    pub(super) coarse: Vec<Complex<f32>>,
+    /// Memory of evicted transfer functions.
+    spare: Vec<Vec<f32>>,
+    /// Coarse rows of the last transforms.
+    pub(super) coarse: Vec<Vec<Complex<f32>>>,
     hits: u64,
     misses: u64,
 }
+
+/// The part of it for kernels behind gates: they follow from the range of a gate, so other frames rarely have them.
+const GATED_BYTES: usize = 8 << 20;
+
+/// Kept memory of evicted transfer functions, in planes: fresh memory would cost page faults.
+const MOST_SPARE: usize = 8;
 
 /// Identity of a cached transfer function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
     gamma_bits: u64,
     size: (usize, usize),
+    /// Number of rows: that of the frame, or of its coarse rows.
+    rows: usize,
     /// Number of columns of a kernel behind gates; `None` without gates, where it follows from the scale.
     gated_columns: Option<usize>,
 }
@@ -49,15 +60,16 @@ struct Entry {
     used: u64,
 }
 
-/// H of a kernel on the grid of a frame's cosine transform, without its negligible columns.
+/// H of a kernel on the grid of a frame's cosine transform, without its negligible columns and without the frequencies beyond
+/// coarse rows.
 #[derive(Debug, PartialEq)]
 pub(super) struct Grid {
     values: Vec<f32>,
-    height: usize,
+    rows: usize,
 }
 
 impl Grid {
-    fn new(key: Key) -> Self {
+    fn new(key: Key, mut values: Vec<f32>) -> Self {
         let (gamma, size) = (f64::from_bits(key.gamma_bits), key.size);
         let (transfer, columns) = match key.gated_columns {
             Some(columns) => (Transfer::behind_gates(gamma), columns),
@@ -67,20 +79,21 @@ impl Grid {
                 (transfer, columns)
             }
         };
+        transfer.write_corner(size, columns, key.rows, &mut values);
         Self {
-            values: transfer.columns_f32(size, columns),
-            height: size.1,
+            values,
+            rows: key.rows,
         }
     }
 
     /// Columns that are not 0.
     pub(super) fn columns(&self) -> usize {
-        self.values.len() / self.height.max(1)
+        self.values.len() / self.rows.max(1)
     }
 
     /// H along fy at `fx = p/2W`; `None` where it is 0.
     pub(super) fn column(&self, p: usize) -> Option<&[f32]> {
-        self.values.chunks_exact(self.height).nth(p)
+        self.values.chunks_exact(self.rows).nth(p)
     }
 
     fn bytes(&self) -> usize {
@@ -95,11 +108,12 @@ impl KernelCache {
         Self::default()
     }
 
-    /// H of a kernel scale on the grid of a frame size.
-    pub(super) fn transfer(&mut self, gamma: f64, width: usize, height: usize) -> Arc<Grid> {
+    /// H of a kernel scale on the first rows of the grid of a frame size.
+    pub(super) fn transfer(&mut self, gamma: f64, size: (usize, usize), rows: usize) -> Arc<Grid> {
         self.grid(Key {
             gamma_bits: gamma.to_bits(),
-            size: (width, height),
+            size,
+            rows,
             gated_columns: None,
         })
     }
@@ -108,13 +122,15 @@ impl KernelCache {
     pub(super) fn gated_transfer(
         &mut self,
         gamma: f64,
-        (width, height): (usize, usize),
+        size: (usize, usize),
+        rows: usize,
         reach: GateReach,
     ) -> Arc<Grid> {
         self.grid(Key {
             gamma_bits: gamma.to_bits(),
-            size: (width, height),
-            gated_columns: Some(reach.columns(gamma, width)),
+            size,
+            rows,
+            gated_columns: Some(reach.columns(gamma, size.0)),
         })
     }
 
@@ -126,21 +142,24 @@ impl KernelCache {
             return Arc::clone(&entry.grid);
         }
         self.misses += 1;
-        let grid = Arc::new(Grid::new(key));
+        // Room for any kernel of the frame, so that none is moved when it is reused.
+        let room = key.size.0 * key.size.1;
+        self.spare.retain(|values| values.capacity() >= room);
+        let values = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(room));
+        let grid = Arc::new(Grid::new(key, values));
         let bytes = grid.bytes();
-        while self.bytes + bytes > CACHE_BYTES {
-            let Some(oldest) = self
-                .grids
-                .iter()
-                .min_by_key(|(_, entry)| entry.used)
-                .map(|(key, _)| *key)
-            else {
-                return grid;
-            };
-            let gone = self.grids.remove(&oldest).map_or(0, |entry| entry.grid.bytes());
-            self.bytes -= gone;
+        let is_gated = key.gated_columns.is_some();
+        while is_gated && self.gated_bytes > 0 && self.gated_bytes + bytes > GATED_BYTES {
+            self.evict(|key| key.gated_columns.is_some());
+        }
+        while self.bytes > 0 && self.bytes + bytes > CACHE_BYTES {
+            self.evict(|_| true);
+        }
+        if bytes > if is_gated { GATED_BYTES } else { CACHE_BYTES } {
+            return grid;
         }
         self.bytes += bytes;
+        self.gated_bytes += if is_gated { bytes } else { 0 };
         self.grids.insert(
             key,
             Entry {
@@ -149,6 +168,28 @@ impl KernelCache {
             },
         );
         grid
+    }
+
+    /// Drops the least recently used of some kernels.
+    fn evict(&mut self, is_candidate: impl Fn(&Key) -> bool) {
+        let candidates = self.grids.iter().filter(|(key, _)| is_candidate(key));
+        let Some(oldest) = candidates
+            .min_by_key(|(_, entry)| entry.used)
+            .map(|(key, _)| *key)
+        else {
+            return;
+        };
+        let Some(gone) = self.grids.remove(&oldest) else {
+            return;
+        };
+        let bytes = gone.grid.bytes();
+        self.bytes -= bytes;
+        self.gated_bytes -= if oldest.gated_columns.is_some() { bytes } else { 0 };
+        if let Ok(grid) = Arc::try_unwrap(gone.grid)
+            && self.spare.len() < MOST_SPARE
+        {
+            self.spare.push(grid.values);
+        }
     }
 
     /// The transform of a frame size.
@@ -167,12 +208,14 @@ impl KernelCache {
     }
 
     /// Coarse rows of a height.
-    pub(super) fn decimation(&mut self, height: usize, step: usize) -> Arc<Decimation> {
-        let is_known = |decimation: &Arc<Decimation>| (decimation.height, decimation.step) == (height, step);
+    pub(super) fn decimation(&mut self, height: usize, coarse: usize) -> Arc<Decimation> {
+        let is_known = |decimation: &Arc<Decimation>| {
+            (decimation.height, decimation.coarse_height()) == (height, coarse)
+        };
         let known = self.decimations.iter().position(is_known);
         let decimation = match known {
             Some(at) => self.decimations.remove(at),
-            None => Arc::new(Decimation::new(height, step)),
+            None => Arc::new(Decimation::new(height, coarse)),
         };
         self.decimations.truncate(MOST_SIZES - 1);
         self.decimations.insert(0, Arc::clone(&decimation));
@@ -205,17 +248,37 @@ mod tests {
     #[test]
     fn the_cache_stays_within_its_memory_and_answers_the_same_after_eviction() {
         let mut cache = KernelCache::new();
-        let first = cache.transfer(1.0, 512, 512);
-        cache.transfer(1.0, 512, 512);
+        let first = cache.transfer(1.0, (512, 512), 512);
+        cache.transfer(1.0, (512, 512), 512);
         assert_eq!(cache.hits_and_misses(), (1, 1));
         for step in 0..100 {
-            cache.transfer(1.5 + f64::from(step) / 100.0, 512, 512);
+            cache.transfer(1.5 + f64::from(step) / 100.0, (512, 512), 512);
             assert!(cache.bytes() <= CACHE_BYTES);
         }
         assert!(
             !cache.grids.keys().any(|key| key.gamma_bits == 1f64.to_bits()),
             "the oldest is still there"
         );
-        assert_eq!(cache.transfer(1.0, 512, 512), first);
+        assert_eq!(cache.transfer(1.0, (512, 512), 512), first);
+    }
+
+    #[test]
+    fn kernels_behind_gates_displace_each_other_and_no_others() {
+        let mut cache = KernelCache::new();
+        let reach = GateReach {
+            amplification: 9.0,
+            gamma_px: 1.0,
+        };
+        let plain = cache.transfer(1.0, (512, 512), 512);
+        let size = (512, 512);
+        let first = cache.gated_transfer(1.0, size, 512, reach);
+        for step in 0..100 {
+            cache.gated_transfer(1.0 + f64::from(step) / 100.0, size, 512, reach);
+            assert!(cache.gated_bytes <= GATED_BYTES);
+        }
+        let (hits, misses) = cache.hits_and_misses();
+        assert_eq!(cache.gated_transfer(1.0, size, 512, reach), first);
+        assert_eq!(cache.transfer(1.0, size, 512), plain);
+        assert_eq!(cache.hits_and_misses(), (hits + 1, misses + 1));
     }
 }

@@ -1,6 +1,7 @@
 //! One channel in the fast method: light and kernel scales in the order of the transform, and the interpolation weights of the
 //! nodes at each pixel.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use imaging::Plane;
@@ -9,7 +10,7 @@ use imaging::vectorized;
 
 use super::basis::{BLOCK, Basis};
 use super::cache::Grid;
-use super::{KernelCache, Nodes};
+use super::{Coarseness, KernelCache, Nodes};
 use crate::kernel::GateReach;
 
 /// A channel during its transforms.
@@ -26,8 +27,8 @@ pub(crate) struct Channel<'a> {
     gate: Option<GateReach>,
     /// Light of one kernel that passed the gate behind.
     passed: Option<Passed<'a>>,
-    /// Rows to each coarse row that its kernels are computed on.
-    pub(super) step: usize,
+    /// Error of coarse rows.
+    coarse: Coarseness,
     size: (usize, usize),
 }
 
@@ -78,19 +79,21 @@ impl<'a> Channel<'a> {
             gain: 1.0,
             gate: None,
             passed: None,
-            step: 1,
+            coarse: Coarseness::default(),
             size,
         }
     }
 
-    /// The same on coarse rows, if `step` divides the frame.
+    /// The same on coarse rows where a kernel permits it.
     #[must_use]
-    pub(crate) fn on_coarse_rows(self, step: usize) -> Self {
-        let divides = step > 1 && self.size.1.is_multiple_of(step);
-        Self {
-            step: if divides { step } else { 1 },
-            ..self
-        }
+    pub(crate) fn on_coarse_rows(self, coarse: Coarseness) -> Self {
+        Self { coarse, ..self }
+    }
+
+    /// The number of rows on which kernel `k` is computed.
+    pub(super) fn rows(&self, k: usize) -> usize {
+        let height = self.size.1;
+        self.coarse.rows(self.nodes.gamma(k), height).unwrap_or(height)
     }
 
     /// The same with the light that passed the gate behind.
@@ -116,10 +119,10 @@ impl<'a> Channel<'a> {
     }
 
     fn transfer(&self, k: usize, cache: &mut KernelCache) -> Arc<Grid> {
-        let gamma = self.nodes.gamma(k);
+        let (gamma, rows) = (self.nodes.gamma(k), self.rows(k));
         match self.gate {
-            Some(gate) => cache.gated_transfer(gamma, self.size, gate),
-            None => cache.transfer(gamma, self.size.0, self.size.1),
+            Some(gate) => cache.gated_transfer(gamma, self.size, rows, gate),
+            None => cache.transfer(gamma, self.size, rows),
         }
     }
 
@@ -157,17 +160,17 @@ pub(super) struct Pair {
     pub(super) second: Option<Term>,
 }
 
-/// Pairs the terms of some channels: first neighbors of one channel, since most of their weights are common, then the leftovers of
-/// channels with an odd number.
-pub(super) fn pairs(terms: impl IntoIterator<Item = usize>) -> Vec<Pair> {
+/// Pairs consecutive terms of some channels: first neighbors of one channel, since most of their weights are common, then the
+/// leftovers of channels with an odd number.
+pub(super) fn pairs(terms: impl IntoIterator<Item = Range<usize>>) -> Vec<Pair> {
     let (mut pairs, mut left) = (Vec::new(), Vec::new());
     for (channel, terms) in terms.into_iter().enumerate() {
         let term = |k| Term { channel, k };
-        pairs.extend((1..terms).step_by(2).map(|k| Pair {
+        pairs.extend((terms.start + 1..terms.end).step_by(2).map(|k| Pair {
             first: term(k - 1),
             second: Some(term(k)),
         }));
-        left.extend((!terms.is_multiple_of(2)).then(|| term(terms - 1)));
+        left.extend((!terms.len().is_multiple_of(2)).then(|| term(terms.end - 1)));
     }
     pairs.extend(left.chunks(2).map(|two| Pair {
         first: two[0],
@@ -232,7 +235,7 @@ mod tests {
 
     fn listed(terms: &[usize]) -> Vec<[(usize, usize); 2]> {
         let number = |term: Term| (term.channel, term.k);
-        let listed = pairs(terms.iter().copied()).into_iter();
+        let listed = pairs(terms.iter().map(|&terms| 0..terms)).into_iter();
         listed
             .map(|pair| [number(pair.first), pair.second.map_or((9, 9), number)])
             .collect()
@@ -246,5 +249,7 @@ mod tests {
         );
         assert_eq!(listed(&[1]), [[(0, 0), (9, 9)]]);
         assert!(listed(&[0]).is_empty());
+        let later = pairs([2..5, 1..2]);
+        assert_eq!(later.iter().map(|pair| pair.first.k).collect::<Vec<_>>(), [2, 4]);
     }
 }

@@ -19,7 +19,7 @@ use imaging::{Plane, vectorized};
 use super::basis::BLOCK;
 use super::cache::Grid;
 use super::channel::{Channel, Pair, Passed, pairs};
-use super::decimation::line;
+use super::decimation::{Decimation, line};
 use super::spectra::{back, unfolded, zeros};
 use super::{KernelCache, Nodes};
 
@@ -71,22 +71,35 @@ pub(super) fn accumulate(
     sums: &mut [Vec<f32>],
     cache: &mut KernelCache,
 ) {
-    let mut steps: Vec<usize> = channels.iter().map(|channel| channel.step).collect();
-    steps.sort_unstable();
-    steps.dedup();
-    for step in steps {
-        let terms = channels.iter().map(|channel| match channel.step {
-            own if own == step => channel.terms(),
-            _ => 0,
-        });
+    let rows: Vec<Vec<usize>> = channels
+        .iter()
+        .map(|channel| (0..channel.terms()).map(|k| channel.rows(k)).collect())
+        .collect();
+    let mut counts: Vec<usize> = rows.iter().flatten().copied().collect();
+    counts.sort_unstable();
+    counts.dedup();
+    let mut coarse = Vec::new();
+    for count in counts.into_iter().rev() {
+        // Wider kernels have fewer rows.
+        let terms = rows
+            .iter()
+            .map(|rows| rows.partition_point(|&own| own > count)..rows.partition_point(|&own| own >= count));
         for pair in pairs(terms) {
-            let spread = Spread::new(channels, pair, size, cache);
-            if step == 1 {
-                spread.add_to(sums, cache);
+            if count == size.1 {
+                Spread::new(channels, pair, size, cache).add_to(sums, cache);
             } else {
-                spread.add_coarse_to(sums, step, cache);
+                coarse.push((pair, count));
             }
         }
+    }
+    coarse.sort_by_key(|(pair, _)| pair.channels());
+    for together in coarse.chunk_by(|(one, _), (other, _)| one.channels()[0] == other.channels()[0]) {
+        let together = together.iter().map(|&(pair, rows)| CoarseSpread {
+            spread: Spread::new(channels, pair, size, cache),
+            decimation: cache.decimation(size.1, rows),
+            coarse: cache.coarse.pop().unwrap_or_default(),
+        });
+        add_coarse(together.collect(), size, sums, cache);
     }
 }
 
@@ -116,32 +129,15 @@ impl<'a> Spread<'a> {
         );
     }
 
-    /// The same on coarse rows. Their spectrum is that of low frequencies.
-    fn add_coarse_to(&self, sums: &mut [Vec<f32>], step: usize, cache: &mut KernelCache) {
-        let (width, height) = self.size;
-        let decimation = cache.decimation(height, step);
-        let coarse_size = (width, decimation.coarse_height());
-        let mut coarse = std::mem::take(&mut cache.coarse);
-        coarse.clear();
-        coarse.resize(width * coarse_size.1, Complex::default());
-        let mut row = vec![Complex::default(); width];
-        for place in 0..height {
-            self.fill(place, &mut row);
-            decimation.add_row(place, &row, &mut coarse);
-        }
-        let mut spectrum = vec![Complex::default(); coarse_size.1];
-        cache.transform(coarse_size).forward(
-            |place, row| row.copy_from_slice(&coarse[line(place, width)]),
-            self.columns(),
-            |p, column| {
-                let pairs = column.iter().zip(decimation.response());
-                for (to, (value, response)) in spectrum.iter_mut().zip(pairs) {
-                    *to = value.unscale(*response);
-                }
-                self.take(p, &spectrum, sums);
-            },
-        );
-        cache.coarse = coarse;
+    /// Whether a row has no light.
+    fn is_dark(&self, place: usize) -> bool {
+        let pixels = line(place, self.size.0);
+        let is_dark = |channel: usize| {
+            let light = &self.channels[channel].light[pixels.clone()];
+            vectorized!(light.iter().fold(0, |bits, value| bits | value.to_bits())) == 0
+        };
+        self.pair.passed(self.channels).iter().all(Option::is_none)
+            && self.pair.channels().into_iter().all(is_dark)
     }
 
     fn columns(&self) -> usize {
@@ -191,6 +187,64 @@ impl<'a> Spread<'a> {
     }
 }
 
+/// Two terms on coarse rows.
+struct CoarseSpread<'a> {
+    spread: Spread<'a>,
+    decimation: Arc<Decimation>,
+    coarse: Vec<Complex<f32>>,
+}
+
+/// Adds terms that mostly have one channel, whose rows stay in the nearest cache for all of them. The spectrum of coarse rows is that of
+/// low frequencies.
+fn add_coarse(
+    mut together: Vec<CoarseSpread<'_>>,
+    (width, height): (usize, usize),
+    sums: &mut [Vec<f32>],
+    cache: &mut KernelCache,
+) {
+    for CoarseSpread {
+        decimation, coarse, ..
+    } in &mut together
+    {
+        coarse.clear();
+        coarse.resize(width * decimation.coarse_height(), Complex::default());
+    }
+    let mut row = vec![Complex::default(); width];
+    for place in 0..height {
+        for CoarseSpread {
+            spread,
+            decimation,
+            coarse,
+        } in &mut together
+        {
+            if !spread.is_dark(place) {
+                spread.fill(place, &mut row);
+                decimation.add_row(place, &row, coarse);
+            }
+        }
+    }
+    for CoarseSpread {
+        spread,
+        decimation,
+        coarse,
+    } in together
+    {
+        let mut spectrum = vec![Complex::default(); decimation.coarse_height()];
+        cache.transform((width, decimation.coarse_height())).forward(
+            |place, row| row.copy_from_slice(&coarse[line(place, width)]),
+            spread.columns(),
+            |p, column| {
+                let pairs = column.iter().zip(decimation.response());
+                for (to, (value, response)) in spectrum.iter_mut().zip(pairs) {
+                    *to = value.unscale(*response);
+                }
+                spread.take(p, &spectrum, sums);
+            },
+        );
+        cache.coarse.push(coarse);
+    }
+}
+
 /// Collects the images of several channels of one size.
 pub(crate) fn gather_channels(mut channels: Vec<Channel<'_>>, cache: &mut KernelCache) -> Vec<Plane<f32>> {
     let Some(size @ (width, height)) = channels.first().map(Channel::size) else {
@@ -198,7 +252,7 @@ pub(crate) fn gather_channels(mut channels: Vec<Channel<'_>>, cache: &mut Kernel
     };
     let spectra = spectra(&channels, size, cache);
     let mut sums = zeros(channels.len(), size, cache);
-    for pair in pairs(channels.iter().map(Channel::terms)) {
+    for pair in pairs(channels.iter().map(|channel| 0..channel.terms())) {
         let [first, second] = pair.transfers(&channels, cache);
         let [one, other] = pair.channels();
         cache.transform(size).inverse(

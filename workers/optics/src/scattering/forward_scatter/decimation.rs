@@ -1,11 +1,12 @@
-//! Rows of a plane on a coarser grid, for kernels that are many rows wide.
+//! Rows of a plane on a coarser grid, for kernels that are some rows wide.
 //!
-//! A coarse row is a weighted sum of rows around its position. The weights are a box of `step` rows, convolved with itself [`ORDER`]
-//! times: their response `w(f) = (sin(π s f) / (s sin(π f)))^ORDER` is 0 at the multiples of 1/s, which the coarse grid aliases to
-//! f = 0. The cosine transform of the coarse rows, divided by w, equals the transform of the plane, except for aliases of order `(s
-//! f)^ORDER`. A kernel of γ rows suppresses frequencies above 1/γ, so the error is below [`aliasing`] of the light.
+//! A coarse row is a weighted sum of rows around its position. The weights are a spline of [`ORDER`] boxes, one coarse row wide each:
+//! their response is `w(x) = sinc(x)^ORDER`, x in cycles per coarse row. It is 0 at all whole x, which the coarse grid aliases to
+//! x = 0, so all light is kept. The cosine transform of the coarse rows, divided by w, equals the transform of the plane, except for
+//! frequencies above x = ½ and aliases of order `(x / (1 − x))^ORDER`. A kernel of γ suppresses both: the error is below
+//! [`aliasing`] of the light. Coarse rows need not be a whole number of rows apart.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use imaging::dct::Folding;
 use imaging::fft::Complex;
@@ -14,34 +15,54 @@ use std::ops::Range;
 
 /// Number of convolved boxes. The mirror at the sides of the frame needs an odd number.
 const ORDER: usize = 7;
-/// Widest step, rows.
-const MOST_STEP: usize = 8;
-/// The least scale of a kernel in steps.
-const LEAST_RATIO: f64 = 5.0;
-/// The largest sum of absolute errors of a kernel of [`LEAST_RATIO`] steps is 1.3e-6; that of wider ones falls faster than the power
-/// [`ORDER`] of their scale.
-const ALIASING: f64 = 1.5e-6;
+/// Numbers of coarse rows: lengths of fast transforms.
+const COUNTS: [usize; 15] = [
+    16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048,
+];
+/// More coarse rows than this share of the rows cost more than they save.
+const MOST_SHARE: f64 = 0.8;
+/// The largest sum of absolute errors in units of [`worst_alias`].
+const ALIASING: f64 = 10.0;
 
-/// Steps that divide both sides of a frame and are small enough for a kernel of `gamma_px`, the largest first. The last is 1.
-pub(crate) fn steps(gamma_px: f64, (width, height): (usize, usize)) -> impl Iterator<Item = usize> {
-    let divides = move |step: usize| width.is_multiple_of(step) && height.is_multiple_of(step);
-    let fits = move |step: usize| step == 1 || gamma_px >= LEAST_RATIO * step as f64;
-    (1..=MOST_STEP)
-        .rev()
-        .filter(move |&step| divides(step) && fits(step))
+/// Error of coarse rows that a part of the light may have.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Coarseness {
+    /// The largest error for light of 1; 0 means all rows.
+    pub limit: f64,
+    /// Subtracted from γ, for light that passes a gate.
+    pub origin: f64,
 }
 
-/// Bound of the error that coarse rows add to the sum of a kernel of `gamma_px` over light up to 1.
-pub(crate) fn aliasing(gamma_px: f64, step: usize) -> f64 {
-    if step <= 1 {
-        return 0.0;
+impl Coarseness {
+    /// The fewest coarse rows for a kernel of `gamma_px` in a frame of `height` rows; `None` if it needs all rows.
+    pub(crate) fn rows(self, gamma_px: f64, height: usize) -> Option<usize> {
+        let most = MOST_SHARE * height as f64;
+        let counts = COUNTS.iter().copied().take_while(|&count| count as f64 <= most);
+        let ratio = |count: usize| (gamma_px - self.origin) * count as f64 / height as f64;
+        counts
+            .into_iter()
+            .find(|&count| ratio(count) > 0.0 && aliasing(ratio(count)) <= self.limit)
     }
-    ALIASING * (LEAST_RATIO * step as f64 / gamma_px).powi(ORDER as i32)
 }
 
-/// Sums of rows of one height.
+/// Bound of the error that coarse rows add to the sum of a kernel over light up to 1. `ratio` is the scale of the kernel in coarse
+/// rows.
+pub(crate) fn aliasing(ratio: f64) -> f64 {
+    ALIASING * worst_alias(ratio)
+}
+
+/// The largest `(x / (1 − x))^ORDER exp(−2π ratio x)` for x up to ½.
+fn worst_alias(ratio: f64) -> f64 {
+    let order = ORDER as f64;
+    let x = match 1.0 - 4.0 * order / (TAU * ratio) {
+        beyond if beyond > 0.0 => (1.0 - beyond.sqrt()) / 2.0,
+        _ => 0.5,
+    };
+    (x / (1.0 - x)).powi(ORDER as i32) * (-TAU * ratio * x).exp()
+}
+
+/// Weighted sums of the rows of a plane.
 pub(super) struct Decimation {
-    pub(super) step: usize,
     pub(super) height: usize,
     /// Coarse rows that each row contributes to, by its position in folded order.
     rows: Vec<Vec<Share>>,
@@ -58,26 +79,42 @@ struct Share {
 }
 
 impl Decimation {
-    /// `height` is a multiple of `step`.
-    pub(super) fn new(height: usize, step: usize) -> Self {
-        let (coarse, taps) = (height / step, taps(step));
-        let mut of_row = vec![Vec::new(); coarse];
+    /// `coarse` rows for `height` rows, which stay as they are if there are as many.
+    pub(super) fn new(height: usize, coarse: usize) -> Self {
+        if coarse == height {
+            return Self::identity(height);
+        }
+        let mut places = vec![0; coarse];
         let folding = Folding::new(1, coarse);
-        (0..coarse).for_each(|place| of_row[folding.row(place)].push(place));
+        (0..coarse).for_each(|place| places[folding.row(place)] = place);
         let folding = Folding::new(1, height);
-        let rows = (0..height).map(|place| shares(folding.row(place), &taps, step, &of_row));
-        let response = (0..coarse).map(|q| response(q as f64 / (2 * height) as f64, step) as f32);
+        let rows = (0..height).map(|place| shares(folding.row(place), height, &places));
+        let response = (0..coarse).map(|q| sinc(q as f64 / (2 * coarse) as f64).powi(ORDER as i32) as f32);
         Self {
-            step,
             height,
             rows: rows.collect(),
             response: response.collect(),
         }
     }
 
+    fn identity(height: usize) -> Self {
+        Self {
+            height,
+            rows: (0..height)
+                .map(|place| vec![Share { place, weight: 1.0 }])
+                .collect(),
+            response: vec![1.0; height],
+        }
+    }
+
     /// How many coarse rows.
     pub(super) fn coarse_height(&self) -> usize {
         self.response.len()
+    }
+
+    /// Rows from one coarse row to the next.
+    pub(super) fn step(&self) -> f64 {
+        self.height as f64 / self.coarse_height() as f64
     }
 
     /// w at the frequencies of the coarse rows.
@@ -113,54 +150,40 @@ fn add_scaled(to: &mut [Complex<f32>], from: &[Complex<f32>], factor: f32) {
     }
 }
 
-/// Weights of the rows around a coarse one; their sum is `step`.
-fn taps(step: usize) -> Vec<f64> {
-    let mut taps = vec![step as f64];
-    for _ in 0..ORDER {
-        let mut wider = vec![0.0; taps.len() + step - 1];
-        for (at, tap) in taps.iter().enumerate() {
-            for to in &mut wider[at..at + step] {
-                *to += tap / step as f64;
-            }
-        }
-        taps = wider;
+/// The spline of [`ORDER`] boxes of width 1 around 0: `Σ_i (−1)^i C(n, i) max(0, u + n/2 − i)^{n−1} / (n−1)!`.
+fn spline(u: f64) -> f64 {
+    let (mut sum, mut term) = (0.0, 1.0);
+    for i in 0..=ORDER {
+        let beyond = -u.abs() + ORDER as f64 / 2.0 - i as f64;
+        sum += term * beyond.max(0.0).powi(ORDER as i32 - 1);
+        term *= -((ORDER - i) as f64) / (i + 1) as f64;
     }
-    taps
+    sum / (1..ORDER).map(|i| i as f64).product::<f64>()
 }
 
 /// Shares of row `y` in the coarse rows. The frame is a mirror box.
-fn shares(y: usize, taps: &[f64], step: usize, places: &[Vec<usize>]) -> Vec<Share> {
-    let (coarse, step) = (places.len() as i64, step as i64);
-    // The first row of coarse row j is `step j - before`.
-    let before = (ORDER as i64 - 1) / 2 * (step - 1);
-    let last = (y as i64 + before).div_euclid(step);
+fn shares(y: usize, height: usize, places: &[usize]) -> Vec<Share> {
+    let count = places.len() as i64;
+    let position = (y as f64 + 0.5) * count as f64 / height as f64 - 0.5;
     let mut weights = vec![0.0; places.len()];
-    for j in (last - taps.len() as i64 / step - 1)..=last {
-        let tap = y as i64 + before - step * j;
-        let mirrored = j.rem_euclid(2 * coarse);
-        let mirrored = mirrored.min(2 * coarse - 1 - mirrored);
-        weights[mirrored as usize] += taps.get(tap as usize).copied().unwrap_or(0.0);
+    let reach = ORDER as f64 / 2.0;
+    for j in (position - reach).ceil() as i64..=(position + reach).floor() as i64 {
+        let mirrored = j.rem_euclid(2 * count);
+        let mirrored = mirrored.min(2 * count - 1 - mirrored);
+        weights[mirrored as usize] += spline(position - j as f64);
     }
-    let pairs = weights
-        .into_iter()
-        .zip(places)
-        .filter(|(weight, _)| *weight > 0.0);
+    let pairs = weights.into_iter().zip(places);
     pairs
-        .flat_map(|(weight, places)| {
-            places.iter().map(move |&place| Share {
-                place,
-                weight: weight as f32,
-            })
+        .filter(|(weight, _)| *weight > 0.0)
+        .map(|(weight, &place)| Share {
+            place,
+            weight: weight as f32,
         })
         .collect()
 }
 
-fn response(frequency: f64, step: usize) -> f64 {
-    if frequency == 0.0 {
-        return 1.0;
-    }
-    let box_response = (PI * step as f64 * frequency).sin() / (step as f64 * (PI * frequency).sin());
-    box_response.powi(ORDER as i32)
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
 pub(super) fn line(index: usize, length: usize) -> Range<usize> {
@@ -170,73 +193,86 @@ pub(super) fn line(index: usize, length: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::Transfer;
+    use imaging::dct::Dct2;
 
-    /// Sum of the absolute errors of one row's light, spread across rows by a kernel with the spectrum `exp(−2πγf)`.
-    fn error_sum(gamma: f64, height: usize, step: usize, y: usize) -> f64 {
-        let decimation = Decimation::new(height, step);
-        let mut coarse = vec![Complex::default(); decimation.coarse_height()];
+    const WIDTH: usize = 96;
+
+    /// Sum of the absolute errors of the light of one pixel in row `y`, spread by a kernel.
+    fn error_sum(gamma: f64, height: usize, count: usize, y: usize) -> f64 {
+        let decimation = Decimation::new(height, count);
+        let mut coarse = vec![Complex::default(); count];
         let folding = Folding::new(1, height);
         let place = (0..height).find(|&place| folding.row(place) == y).unwrap();
         decimation.add_row(place, &[Complex::new(1.0, 0.0)], &mut coarse);
-        let coarse_folding = Folding::new(1, coarse.len());
+        let coarse_folding = Folding::new(1, count);
         let cosine =
             |q: usize, y: usize, height: usize| (PI * q as f64 * (y as f64 + 0.5) / height as f64).cos();
-        let errors = (0..height).map(|q| {
-            let frequency = q as f64 / (2 * height) as f64;
-            let waves = coarse.iter().enumerate().map(|(place, value)| {
-                f64::from(value.re) * cosine(q, coarse_folding.row(place), coarse.len())
-            });
-            let found = match decimation.response().get(q) {
-                Some(&response) => waves.sum::<f64>() / f64::from(response),
-                None => 0.0,
-            };
-            (-2.0 * PI * gamma * frequency).exp() * (found - cosine(q, y, height))
-        });
-        let errors: Vec<f64> = errors.collect();
-        let error = |y: usize| {
-            let terms = errors.iter().enumerate();
-            let weight = |q: usize| if q == 0 { 1.0 } else { 2.0 };
-            terms
-                .map(|(q, e)| weight(q) * e * cosine(q, y, height))
-                .sum::<f64>()
-                / height as f64
-        };
-        (0..height).map(|y| error(y).abs()).sum()
+        let transfer = Transfer::new(gamma).grid(WIDTH, height);
+        let mut errors = vec![0.0; WIDTH * height];
+        for (q, errors) in errors.chunks_exact_mut(WIDTH).enumerate() {
+            let waves = coarse.iter().enumerate();
+            let waves =
+                waves.map(|(place, value)| f64::from(value.re) * cosine(q, coarse_folding.row(place), count));
+            let response = decimation.response().get(q);
+            let found = response.map_or(0.0, |&response| waves.sum::<f64>() / f64::from(response));
+            for (p, error) in errors.iter_mut().enumerate() {
+                let light = cosine(p, WIDTH / 3, WIDTH);
+                *error = transfer[q * WIDTH + p] * light * (found - cosine(q, y, height));
+            }
+        }
+        Dct2::new(WIDTH, height).inverse(&mut errors);
+        errors.iter().map(|error| error.abs()).sum()
     }
 
     /// Rounding of f32 weights and sums, for light of 1.
-    const ROUNDING: f64 = 2e-7;
+    const ROUNDING: f64 = 3e-7;
 
     #[test]
     fn the_error_of_coarse_rows_is_within_its_bound_at_every_row() {
         let mut largest = 0.0f64;
-        for (step, ratio) in [
-            (2, 5.0),
-            (2, 6.0),
-            (2, 9.0),
-            (3, 5.0),
-            (4, 5.0),
-            (4, 7.0),
-            (8, 5.0),
-        ] {
-            let (gamma, height) = (ratio * step as f64, 48 * step);
-            for y in [0, 1, 2, 3, 5, 7, height / 2, height / 2 + 1, height - 1] {
-                let (error, bound) = (error_sum(gamma, height, step, y), aliasing(gamma, step));
-                assert!(
-                    error <= bound + ROUNDING,
-                    "step {step}, γ {gamma}, row {y}: {error:e} of {bound:e}"
-                );
-                largest = largest.max(error / bound);
+        for (count, height) in [(16, 32), (24, 33), (24, 82), (16, 96), (48, 62)] {
+            for ratio in [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.5] {
+                let gamma = ratio * height as f64 / count as f64;
+                for y in [0, 1, 2, 3, 5, 7, height / 2, height / 2 + 1, height - 1] {
+                    let (error, bound) = (error_sum(gamma, height, count, y), aliasing(ratio));
+                    assert!(
+                        error <= bound + ROUNDING,
+                        "{count} of {height} rows, γ {gamma}, row {y}: {error:e} of {bound:e}"
+                    );
+                    largest = largest.max(error / bound);
+                }
             }
         }
         assert!(largest > 0.5, "the bound is too wide: {largest}");
     }
 
     #[test]
-    fn steps_divide_the_frame_and_are_small_beside_the_kernel() {
-        assert_eq!(steps(21.0, (768, 492)).collect::<Vec<_>>(), [4, 3, 2, 1]);
-        assert_eq!(steps(14.0, (768, 492)).collect::<Vec<_>>(), [2, 1]);
-        assert_eq!(steps(50.0, (37, 20)).collect::<Vec<_>>(), [1]);
-        assert_eq!(steps(0.0, (768, 492)).collect::<Vec<_>>(), [1]);
+    fn a_row_has_one_unit_of_light_at_any_position() {
+        for (count, height) in [(16, 33), (24, 82), (48, 61), (3, 5)] {
+            for row in Decimation::new(height, count).rows {
+                let sum: f32 = row.iter().map(|share| share.weight).sum();
+                assert!((sum - 1.0).abs() < 1e-6, "{count} of {height} rows: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn wider_kernels_need_fewer_rows_and_narrow_ones_all() {
+        let coarse = Coarseness {
+            limit: 1e-4,
+            origin: 0.0,
+        };
+        let rows = [0.0, 2.0, 9.0, 18.0, 40.0].map(|gamma| coarse.rows(gamma, 492));
+        assert!(
+            rows[..2] == [None; 2] && rows[2..].is_sorted_by(|a, b| a > b),
+            "{rows:?}"
+        );
+        let beyond = Coarseness {
+            origin: 9.0,
+            ..coarse
+        };
+        assert_eq!([beyond.rows(9.0, 492), beyond.rows(18.0, 492)], [None, rows[2]]);
+        assert_eq!(Coarseness::default().rows(1e3, 492), None);
     }
 }

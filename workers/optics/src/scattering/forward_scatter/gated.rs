@@ -179,9 +179,9 @@ fn add_spread(
             let (Some([light, located]), Some(nodes)) = (part, nodes) else {
                 continue;
             };
-            let step = [1, source.kernels[l].wide_step][kernel];
+            let coarse = [source.kernels[l].narrow_coarse, source.kernels[l].wide_coarse][kernel];
             let channel = Channel::located(light, located, nodes, size)
-                .on_coarse_rows(step)
+                .on_coarse_rows(coarse)
                 .part_of(sum)
                 .with_passed(behind.passed(kernel, nodes));
             channels.push(match gate {
@@ -330,6 +330,12 @@ fn spread(
     for pixels in (0..height).map(|place| line(place, width)) {
         let [mask, range] = [&layer.mask, &layer.range].map(|plane| &plane[pixels.clone()]);
         let light = &light[pixels.clone()];
+        if vectorized!(mask.iter().fold(0, |bits, value| bits | value.to_bits())) == 0 {
+            // Light of 0 has any scale.
+            let planes = planes.iter_mut().flatten().flatten();
+            planes.for_each(|plane| plane[pixels.clone()].fill(0.0));
+            continue;
+        }
         let [narrow, wide] = &mut rows;
         vectorized!(scattered(narrow, [mask, range, light], g, excess));
         if let Some(tail) = tail {

@@ -7,15 +7,14 @@ use imaging::vectorized;
 
 use super::KernelCache;
 use super::cache::Grid;
-use super::decimation::{Decimation, line, steps};
+use super::decimation::{Coarseness, Decimation, aliasing, line};
 use crate::layering::Layering;
 use crate::range::is_hole;
 
 /// Kernel for filling occluded pixels, as a share of the frame's width; at least 1 pixel.
 const FILL_SHARE: f64 = 1.0 / 40.0;
-/// Coarse rows for filling are narrower than those for other kernels by this factor: the fill is a quotient with a possibly small
-/// divisor.
-const FILL_RATIO: f64 = 1.25;
+/// Scale of the kernel for filling in coarse rows: the fill is a quotient with a possibly small divisor.
+const FILL_RATIO: f64 = 6.25;
 /// Below this share of known pixels under the kernel, the fill is 0.
 pub(crate) const FILL_LEAST: f64 = 1e-6;
 
@@ -111,12 +110,16 @@ impl Divided {
     fn spread(&self, mut planes: Vec<&mut Vec<f32>>, cache: &mut KernelCache) {
         let (width, height) = self.size;
         let gamma = fill_gamma_px(width);
-        let kernel = cache.transfer(gamma, width, height);
-        let step = steps(gamma / FILL_RATIO, self.size).next().unwrap_or(1);
-        let decimation = cache.decimation(height, step);
+        let coarse = Coarseness {
+            limit: aliasing(FILL_RATIO),
+            origin: 0.0,
+        };
+        let rows = coarse.rows(gamma, height).unwrap_or(height);
+        let kernel = cache.transfer(gamma, self.size, rows);
+        let decimation = cache.decimation(height, rows);
         let factors = coarse_kernel(&kernel, &decimation);
         let (columns, coarse_height) = (kernel.columns(), decimation.coarse_height());
-        let mut coarse = std::mem::take(&mut cache.coarse);
+        let mut coarse = cache.coarse.pop().unwrap_or_default();
         coarse.resize(width * coarse_height, Complex::default());
         let transform = cache.transform((width, coarse_height));
         let mut row = vec![Complex::default(); width];
@@ -146,17 +149,18 @@ impl Divided {
                 part_rows(&row, line(place, width), pair);
             }
         }
-        cache.coarse = coarse;
+        cache.coarse.push(coarse);
     }
 }
 
 /// H over the responses of both passes to and from the coarse rows.
 fn coarse_kernel(kernel: &Grid, decimation: &Decimation) -> Vec<f32> {
     let response = decimation.response();
+    let step = decimation.step() as f32;
     let mut factors = Vec::with_capacity(kernel.columns() * response.len());
     for column in (0..kernel.columns()).filter_map(|p| kernel.column(p)) {
         let pairs = column.iter().zip(response);
-        factors.extend(pairs.map(|(h, w)| h / (w * w * decimation.step as f32)));
+        factors.extend(pairs.map(|(h, w)| h / (w * w * step)));
     }
     factors
 }

@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use super::decimation::Coarseness;
+
 /// Where the scale of s turns from linear to logarithmic, px.
 pub(super) const SHIFT_PX: f64 = 0.3;
 /// Two nodes carry an interval this narrow in s.
@@ -127,8 +129,10 @@ pub struct Kernels {
     pub narrow: Option<Nodes>,
     /// Of the wide one.
     pub wide: Option<Nodes>,
-    /// Rows of the frame to each coarse row of the wide kernel; 1 or less means all rows.
-    pub wide_step: usize,
+    /// Error of coarse rows of the narrow kernels.
+    pub narrow_coarse: Coarseness,
+    /// The same of the wide ones.
+    pub wide_coarse: Coarseness,
 }
 
 impl Kernels {

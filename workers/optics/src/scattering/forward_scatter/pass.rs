@@ -56,7 +56,7 @@ impl<'a> Response<'a> {
         let parts = gate.ratios().into_iter().zip(gate.reaches());
         let kernels = parts.filter(|(ratio, _)| *ratio != 0.0);
         let kernels = kernels.map(|(ratio, reach)| {
-            let kernel = cache.gated_transfer(reach.gamma_px, size, reach);
+            let kernel = cache.gated_transfer(reach.gamma_px, size, size.1, reach);
             (ratio as f32, kernel)
         });
         Self {

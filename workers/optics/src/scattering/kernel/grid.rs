@@ -54,19 +54,28 @@ impl Transfer {
     /// so that all light arrives.
     #[must_use]
     pub fn grid_f32(&self, width: usize, height: usize) -> Vec<f32> {
-        self.columns_f32((width, height), width)
+        let mut grid = Vec::new();
+        self.write_corner((width, height), width, height, &mut grid);
+        grid
     }
 
-    /// The first columns of [`Transfer::grid_f32`].
-    pub(crate) fn columns_f32(&self, (width, height): (usize, usize), columns: usize) -> Vec<f32> {
-        let rows: Vec<f64> = (0..height).map(|q| q as f64 / (2 * height) as f64).collect();
+    /// Replaces the content of `grid` by the first columns and rows of [`Transfer::grid_f32`].
+    pub(crate) fn write_corner(
+        &self,
+        (width, height): (usize, usize),
+        columns: usize,
+        rows: usize,
+        grid: &mut Vec<f32>,
+    ) {
+        let count = rows;
+        let rows: Vec<f64> = (0..count).map(|q| q as f64 / (2 * height) as f64).collect();
         let row_sinc: Vec<f32> = rows.iter().map(|&fy| sinc(fy) as f32).collect();
         let row_squares: Vec<f32> = rows.iter().map(|&fy| (fy * fy) as f32).collect();
         let row_terms: [Vec<f32>; TERMS] =
             std::array::from_fn(|term| rows.iter().map(|&fy| even_chebyshev(fy)[term] as f32).collect());
         let scale = (TAU * self.gamma()) as f32;
-        let mut grid = vec![0.0; columns * height];
-        for (p, column) in grid.chunks_exact_mut(height.max(1)).enumerate() {
+        grid.resize(columns * count, 0.0);
+        for (p, column) in grid.chunks_exact_mut(count.max(1)).enumerate() {
             let fx = p as f64 / (2 * width) as f64;
             let folded = self
                 .folded_along(fx)
@@ -74,15 +83,14 @@ impl Transfer {
             let (square, across) = ((fx * fx) as f32, sinc(fx) as f32);
             vectorized!({
                 main_term(column, &row_squares, &row_sinc, [scale, square, across]);
-                for (terms, coefficient) in row_terms.iter().zip(folded.iter().flatten()) {
-                    add_scaled(column, terms, *coefficient);
+                if let Some(coefficients) = &folded {
+                    add_terms(column, &row_terms, coefficients);
                 }
             });
         }
         if let Some(mean) = grid.first_mut() {
             *mean = 1.0;
         }
-        grid
     }
 }
 
@@ -94,11 +102,17 @@ fn main_term(column: &mut [f32], squares: &[f32], sincs: &[f32], [scale, square,
     }
 }
 
+/// Adds all terms in one pass.
 #[inline(always)]
-fn add_scaled(sum: &mut [f32], term: &[f32], factor: f32) {
-    sum.iter_mut()
-        .zip(term)
-        .for_each(|(sum, term)| *sum += factor * term);
+fn add_terms(sum: &mut [f32], terms: &[Vec<f32>; TERMS], coefficients: &[f32; TERMS]) {
+    let count = sum.len();
+    let [a, b, c, d, e, f, g, h, i] = terms.each_ref().map(|term| &term[..count]);
+    for (q, sum) in sum.iter_mut().enumerate() {
+        let values = [a[q], b[q], c[q], d[q], e[q], f[q], g[q], h[q], i[q]];
+        for (value, coefficient) in values.iter().zip(coefficients) {
+            *sum += coefficient * value;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -120,10 +134,11 @@ mod tests {
                 grid[columns * height..].iter().all(|h| *h < NOTHING as f32),
                 "γ = {gamma}"
             );
-            assert_eq!(
-                transfer.columns_f32((width, height), columns),
-                grid[..columns * height]
-            );
+            let mut corner = vec![9.0; 5];
+            transfer.write_corner((width, height), columns, height, &mut corner);
+            assert_eq!(corner, grid[..columns * height]);
+            transfer.write_corner((width, height), 1, 7, &mut corner);
+            assert_eq!(corner, grid[..7]);
             assert_eq!(grid[0], 1.0);
             for (index, &value) in grid.iter().enumerate() {
                 let (p, q) = (index / height, index % height);

@@ -17,7 +17,7 @@ const SUN_RAY_NS: f64 = 30.0;
 const AMBIENT_RAY_NS: f64 = 20.0;
 const CAUSTICS_NS: f64 = 40.0;
 const SHAFTS_NS: f64 = 12.0;
-const VEIL_OCCLUSION_NS: f64 = 8.0;
+const VEIL_OCCLUSION_NS: f64 = 50.0;
 /// A ray through a range image. Ambient occlusion traces its rays for every fifth pixel.
 const SCREEN_RAY_NS: f64 = 1_000.0;
 /// Largest part of the tolerance that omitting the sun's shadows, or caustics, may use.
