@@ -102,7 +102,7 @@ impl Draw {
 }
 
 /// A frame so wide that occluded pixels are filled on coarse rows.
-pub(crate) const WIDE: (usize, usize) = (640, 8);
+pub(crate) const WIDE: (usize, usize) = (640, 20);
 
 /// Random scene number `index`, of a small frame if no size is given.
 pub(crate) fn random_of_size(seed: u64, index: u64, size: Option<(usize, usize)>) -> Scene {
@@ -286,6 +286,47 @@ impl Slant {
             }),
             water: water.water(),
             tolerance: 3e-4,
+        }
+    }
+}
+
+/// Bright rows of a wall around a plate, so far apart that coarse rows confuse them with other patterns, under wide kernels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stripes {
+    pub(crate) scattering: f64,
+    /// Kernel scale, pixels per meter.
+    pub(crate) per_m: f64,
+    /// Rows from one bright row to the next.
+    pub(crate) period: f64,
+    pub(crate) tolerance: f64,
+}
+
+impl Stripes {
+    pub(crate) fn scene(&self) -> Scene {
+        let water = Gated {
+            absorption: 1e-6,
+            scattering: self.scattering,
+            g: Some(0.0),
+            kernel: Kernel::One {
+                per_m: self.per_m,
+                offset: 0.0,
+            },
+            focal_px: 60.0,
+            layers: 2,
+        };
+        let (width, height) = (40, 82);
+        let is_plate = |x: usize, y: usize| (12..26).contains(&x) && (20..60).contains(&y);
+        let is_bright = |y: usize| ((y as f64 / self.period).fract() * self.period) < 1.0;
+        Scene {
+            name: format!("{self:?}"),
+            radiance: Rgb::from_fn(width, height, |_, y| [if is_bright(y) { 1.0 } else { 0.0 }; 3]),
+            range: Plane::from_fn(width, height, |x, y| match (is_plate(x, y), y % 2) {
+                (true, _) => 2.4,
+                (false, 0) => 3.1,
+                (false, _) => 4.6,
+            }),
+            water: water.water(),
+            tolerance: self.tolerance,
         }
     }
 }

@@ -136,6 +136,20 @@ pub struct Kernels {
 }
 
 impl Kernels {
+    /// Whether one of them is computed on coarse rows in a frame of `height` rows.
+    #[must_use]
+    pub fn has_coarse_rows(&self, height: usize) -> bool {
+        let parts = [(&self.narrow, self.narrow_coarse), (&self.wide, self.wide_coarse)];
+        parts.into_iter().any(|(nodes, coarse)| {
+            let nodes = nodes
+                .iter()
+                .flat_map(|nodes| (0..nodes.terms()).map(|k| nodes.gamma(k)));
+            nodes
+                .into_iter()
+                .any(|gamma| coarse.rows(gamma, height).is_some())
+        })
+    }
+
     /// How many there are.
     #[must_use]
     pub fn terms(&self) -> usize {
