@@ -22,6 +22,7 @@ mod nodes;
 mod pass;
 mod reference;
 mod spectra;
+mod spread;
 
 pub use bound::{Bound, Errors, ScaleLight};
 pub use cache::KernelCache;

@@ -5,8 +5,8 @@
 //! inverse: V[k] = w̄ (X[k] − i X[N−k])       V[N−k] = w (X[k] + i X[N−k])
 //! ```
 //!
-//! Numbers are handled in chunks of real and imaginary parts, in which a product with i is a swap of neighbors: loops over complex
-//! numbers would not become vectors.
+//! A chunk holds real and imaginary parts, and a product with i swaps neighbors. The compiler does not vectorize loops over complex
+//! numbers.
 
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
@@ -139,7 +139,7 @@ pub(super) fn across(
     }
 }
 
-/// Joins a number that is its own mirror.
+/// Joins the number N/2, its mirror being itself.
 #[inline(always)]
 pub(super) fn middle(direction: Direction, twiddle: Complex<f32>, line: &mut [Complex<f32>]) {
     for value in line {

@@ -14,15 +14,15 @@ use super::axis::Direction;
 use crate::fft::{self, Complex, Fft};
 use crate::vectorized;
 
-/// Factors for which the sums are faster than the FFT library, measured with m = 12 on an AMD EPYC with AVX-512: by 1.2 to 3 times.
+/// Prime factors whose sums are 1.2 to 6 times faster than the FFT library, measured with m = 12 on an AMD EPYC with AVX-512.
 const PRIMES: [usize; 13] = [37, 41, 43, 47, 53, 59, 61, 67, 71, 79, 83, 101, 103];
 /// Lanes of the widest vectors.
 const LANES: usize = 16;
-/// Vectors that are summed together; parts of real and of imaginary lanes are whole vectors.
+/// Vectors in one sum.
 const TOGETHER: usize = 2;
 /// Lanes of a group of lines: their columns stay in the nearest cache.
 const MOST_LANES: usize = 64;
-/// Outputs that are summed together, so that each input is loaded once for them.
+/// Outputs in one pass over the inputs.
 const OUTPUTS: usize = 4;
 
 /// Transforms of one length.
@@ -190,8 +190,8 @@ impl PrimeSplit {
         let (prime, rest) = (self.prime, self.rest);
         for (number, line) in group.chunks_exact_mut(prime * rest).enumerate() {
             for (l, line) in line.chunks_exact_mut(prime).enumerate() {
-                let from = columns[number * rest + l..].iter().step_by(used);
-                line.iter_mut().zip(from).for_each(|(to, &value)| *to = value);
+                let outputs = columns[number * rest + l..].iter().step_by(used);
+                line.iter_mut().zip(outputs).for_each(|(to, &value)| *to = value);
             }
         }
     }

@@ -23,7 +23,7 @@ use two::{Behind, Two};
 const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
 /// Coarse rows may use up this share of the error of the kernels.
 const COARSE_SHARE: f64 = 1.0 / 8.0;
-/// Rows of a frame for which origins are compared.
+/// Rows of a usual frame, to compare origins.
 const USUAL_HEIGHT: usize = 492;
 /// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with a margin for one
 /// outside its best position.

@@ -142,7 +142,7 @@ impl KernelCache {
             return Arc::clone(&entry.grid);
         }
         self.misses += 1;
-        // Room for any kernel of the frame, so that none is moved when it is reused.
+        // Room for any kernel of the frame: growing memory later would move it.
         let room = key.size.0 * key.size.1;
         self.spare.retain(|values| values.capacity() >= room);
         let values = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(room));

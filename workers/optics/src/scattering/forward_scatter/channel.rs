@@ -90,7 +90,7 @@ impl<'a> Channel<'a> {
         Self { coarse, ..self }
     }
 
-    /// The number of rows on which kernel `k` is computed.
+    /// The number of rows of the transform of kernel `k`.
     pub(super) fn rows(&self, k: usize) -> usize {
         let height = self.size.1;
         self.coarse.rows(self.nodes.gamma(k), height).unwrap_or(height)
