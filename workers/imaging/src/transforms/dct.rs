@@ -20,6 +20,15 @@ pub use pair::PairDct;
 use crate::cancel;
 use crate::fft::{self, Complex, Ffts};
 
+/// The sign of the exponent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Direction {
+    /// Minus.
+    Forward,
+    /// Plus.
+    Inverse,
+}
+
 /// Columns gathered together by a vertical pass: 16 f32 fill a cache line.
 const COLUMNS: usize = 16;
 

@@ -1,17 +1,8 @@
 //! The Fourier transforms of one axis of a plane.
 
 use super::prime::{PrimeBuffers, PrimeSplit};
-use super::twiddle;
+use super::{Direction, twiddle};
 use crate::fft::{self, Complex, Ffts};
-
-/// The sign of the exponent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Direction {
-    /// Minus.
-    Forward,
-    /// Plus.
-    Inverse,
-}
 
 /// Transforms of contiguous lines of one length.
 pub(super) struct AxisTransform {

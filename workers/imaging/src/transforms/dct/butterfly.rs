@@ -10,7 +10,7 @@
 
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
-use super::axis::Direction;
+use super::Direction;
 use crate::fft::Complex;
 
 /// Real and imaginary parts of eight numbers: a vector of AVX-512.

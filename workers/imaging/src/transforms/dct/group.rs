@@ -1,6 +1,6 @@
 //! Groups of columns for the fast transform.
 
-use super::axis::Direction;
+use super::Direction;
 use super::butterfly;
 use crate::fft::Complex;
 

@@ -4,7 +4,8 @@
 //! see [`Folding`](super::Folding). Rows and columns of coefficients are passed on singly while they are in the nearest cache: a
 //! complete plane does not fit there, and writing and reading it would take longer than the FFT.
 
-use super::axis::{AxisBuffers, AxisTransform, Direction};
+use super::Direction;
+use super::axis::{AxisBuffers, AxisTransform};
 use super::butterfly;
 use super::group::{ColumnGroup, TILE};
 use crate::fft::Complex;

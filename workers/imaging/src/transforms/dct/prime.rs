@@ -10,7 +10,7 @@ use std::sync::Arc;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::axis::Direction;
+use super::Direction;
 use crate::fft::{self, Complex, Fft};
 use crate::vectorized;
 
