@@ -89,11 +89,16 @@ impl Plan {
         self
     }
 
-    /// The largest error of any channel of the exposed light, composed through the gains.
+    /// The largest error of each channel of the exposed light, composed through the gains.
+    #[must_use]
+    pub fn errors(&self) -> [ErrorBound; 3] {
+        compose(self.stages.iter().filter(|stage| stage.id.is_promised()))
+    }
+
+    /// The greater of each part of the errors of all channels.
     #[must_use]
     pub fn error(&self) -> ErrorBound {
-        let channels = compose(self.stages.iter().filter(|stage| stage.id.is_promised()));
-        channels.into_iter().fold(ErrorBound::EXACT, ErrorBound::greater)
+        self.errors().into_iter().fold(ErrorBound::EXACT, ErrorBound::greater)
     }
 
     /// Expected milliseconds of all stages; `None` if one has no figure.

@@ -66,7 +66,7 @@ fn bound_and_error(frame: &Frame, tolerance: f64) -> (f64, f64) {
         .map(|(fast, exact)| (fast - exact).abs())
         .fold(0.0, f64::max);
     let brightest = exact.data().iter().copied().fold(0.0, f64::max);
-    (plan.error().bound_sample(brightest), error)
+    (plan.errors()[1].bound_sample(brightest), error)
 }
 
 /// With the previous bound `min(1.2 worst, 2.6 even)` these frames exceeded it by up to 1.29 times.

@@ -48,7 +48,7 @@ fn outcome(scene: &Scene, cache: &mut KernelCache) -> Outcome {
         let outcomes = pairs.map(|(&fast, &exact)| {
             let error = (f64::from(fast) - exact).abs();
             Outcome {
-                bound: plan.error().bound_sample(exact),
+                bound: plan.errors()[channel].bound_sample(exact),
                 error: if error.is_nan() { f64::INFINITY } else { error },
                 is_gated,
             }

@@ -13,7 +13,7 @@ impl Plan {
     /// The promise; `None` without a tolerance.
     ///
     /// It refers to the exposed light cut at black and white, in the fast chain as in the exact one. Its bound is therefore at most
-    /// [`WHITE`] for any sum of the stages; [`Plan::error`] composes their bounds without this limit. Relative errors count as in
+    /// [`WHITE`] for any sum of the stages; [`Plan::errors`] composes their bounds without this limit. Relative errors count as in
     /// white, unless the tolerance has a relative part.
     #[must_use]
     pub fn promise(&self) -> Option<Promise> {
