@@ -98,7 +98,9 @@ impl Plan {
     /// The greater of each part of the errors of all channels.
     #[must_use]
     pub fn error(&self) -> ErrorBound {
-        self.errors().into_iter().fold(ErrorBound::EXACT, ErrorBound::greater)
+        self.errors()
+            .into_iter()
+            .fold(ErrorBound::EXACT, ErrorBound::greater)
     }
 
     /// Expected milliseconds of all stages; `None` if one has no figure.
