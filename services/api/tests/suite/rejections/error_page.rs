@@ -260,8 +260,9 @@ fn the_page_of_error_responses_is_up_to_date() {
         std::fs::write(path, &page).unwrap();
     }
     let written = std::fs::read_to_string(path).unwrap_or_default();
+    let differs = written.lines().zip(page.lines()).find(|(old, new)| old != new);
     assert!(
         written == page,
-        "ERRORS.md is out of date: run FATHOM_WRITE=1 cargo test -p api --test suite error_page and review it"
+        "ERRORS.md is out of date: run FATHOM_WRITE=1 cargo test -p api --test suite error_page and review it; {differs:?}"
     );
 }
