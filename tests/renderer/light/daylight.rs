@@ -43,8 +43,12 @@ fn mean(bytes: &[u8], rows: std::ops::Range<usize>) -> f64 {
 
 #[test]
 fn open_water_brightens_towards_the_surface_and_the_record_says_why() {
-    let day = render(&parse(&job(&json!("auto"))));
-    let mut given = in_air(&json!("auto"));
+    let open = |mut job: Value| {
+        job["scene"]["family"] = json!("open-water");
+        job
+    };
+    let day = render(&parse(&open(job(&json!("auto")))));
+    let mut given = open(in_air(&json!("auto")));
     given["water"]["optics"] = json!({"preset": "jerlov-1C", "veil_gain": 1});
     let constant = render(&parse(&given));
     let slope = |rendered| mean(file(rendered, "rgb"), 0..10) - mean(file(rendered, "rgb"), 54..64);

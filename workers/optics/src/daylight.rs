@@ -177,10 +177,7 @@ impl Daylight {
             light: std::f64::consts::PI * self.level[channel],
             depth: self.depth.max(SHALLOWEST),
             below: self.below,
-            sun: self.sun.map(|sun| SunnyWater {
-                toward: sun.toward(&self.gaze),
-                rise: sun.rise,
-            }),
+            sun: self.sun.map(|sun| SunnyWater::seen_by(&self.gaze, &sun)),
         }
     }
 

@@ -17,6 +17,8 @@ pub struct Gaze {
     pub(crate) place: [f64; 2],
     /// Least and greatest cosine from the vertical of the rays of the picture.
     pub(crate) rises: (f64, f64),
+    /// Width and height of the picture; `None` if its direction is unknown.
+    size: Option<(usize, usize)>,
 }
 
 impl Gaze {
@@ -36,8 +38,9 @@ impl Gaze {
             level: level_axes(up, [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
             place: [0.0; 2],
             rises: (0.0, 0.0),
+            size: Some((width, height)),
         };
-        gaze.rises = gaze.extremes(width, height);
+        gaze.rises = gaze.extremes((width, height), gaze.up);
         gaze
     }
 
@@ -67,22 +70,35 @@ impl Gaze {
             level: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
             place: [0.0; 2],
             rises: (-1.0, 1.0),
+            size: None,
         }
+    }
+
+    /// Least `1 − cos` of the angles between a direction, a unit vector in camera axes, and the rays of the picture.
+    pub(crate) fn least_versine(&self, toward: [f64; 3]) -> f64 {
+        self.size
+            .map_or(0.0, |size| 1.0 - self.extremes(size, toward).1.min(1.0))
     }
 
     /// μ of the ray of a pixel, the cosine of its angle from the vertical: 1 up, −1 down.
     #[must_use]
     pub fn rise(&self, x: usize, y: usize) -> f64 {
-        let ray = self.camera.ray(x as f64, y as f64);
-        (ray.dot(self.up.into()) / ray.length()).clamp(-1.0, 1.0)
+        self.cosine(x, y, self.up)
     }
 
-    /// On a convex picture the extremes are on its border, unless it shows the zenith or the nadir.
-    fn extremes(&self, width: usize, height: usize) -> (f64, f64) {
+    /// Cosine between the ray of a pixel and a direction.
+    fn cosine(&self, x: usize, y: usize, direction: [f64; 3]) -> f64 {
+        let ray = self.camera.ray(x as f64, y as f64);
+        (ray.dot(direction.into()) / ray.length()).clamp(-1.0, 1.0)
+    }
+
+    /// Least and greatest cosine between the rays and a direction. On a convex picture they are on its border, unless it shows the
+    /// direction or its opposite.
+    fn extremes(&self, (width, height): (usize, usize), direction: [f64; 3]) -> (f64, f64) {
         let (mut low, mut high) = (1.0f64, -1.0f64);
         let mut take = |x: usize, y: usize| {
-            let rise = self.rise(x, y);
-            (low, high) = (low.min(rise), high.max(rise));
+            let cosine = self.cosine(x, y, direction);
+            (low, high) = (low.min(cosine), high.max(cosine));
         };
         for x in 0..width {
             take(x, 0);
@@ -92,7 +108,7 @@ impl Gaze {
             take(0, y);
             take(width.saturating_sub(1), y);
         }
-        let [ux, uy, uz] = self.up;
+        let [ux, uy, uz] = direction;
         for sign in [1.0, -1.0] {
             if sign * uz > 0.0 {
                 let Intrinsics { focal_px, cx, cy } = self.camera;

@@ -12,6 +12,7 @@ use super::field::{
 use super::gaze::Gaze;
 use super::model::{CRITICAL_COSINE, REFRACTIVE_INDEX};
 use super::rises::{Row, rises_of, versines_of};
+use super::sun::SunLight;
 use super::wide::{PEAK_COSINE, TERMS};
 use crate::attenuation::{exp_negative, masked};
 use crate::polynomial::horner;
@@ -44,6 +45,19 @@ pub(crate) struct SunnyWater {
     pub(crate) toward: [f64; 3],
     /// Its cosine from the vertical.
     pub(crate) rise: f64,
+    /// Least 1 − cos of the angle from a ray of the picture to it.
+    pub(crate) nearest: f64,
+}
+
+impl SunnyWater {
+    pub(crate) fn seen_by(gaze: &Gaze, sun: &SunLight) -> Self {
+        let toward = sun.toward(gaze);
+        Self {
+            toward,
+            rise: sun.rise,
+            nearest: gaze.least_versine(toward),
+        }
+    }
 }
 
 impl VeilOf {

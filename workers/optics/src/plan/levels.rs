@@ -24,7 +24,7 @@ const WHITE_CODE: f64 = 1.0 / 255.0 / 0.4396;
 const RELATIVE: f64 = 4e-3;
 
 /// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference. Errors up to
-/// `hidden` are hidden by the noise of the sensor; 0 without one. Only the light of lamps may err by a share of itself.
+/// `hidden` are hidden by the noise of the sensor; 0 without one.
 #[must_use]
 pub fn frame_tolerance(
     frame: &Frame,
@@ -45,7 +45,7 @@ pub fn frame_tolerance(
                 _ => DARK,
             };
             let invisible = code.max(hidden);
-            Some(if frame.has_lamps() {
+            Some(if is_covered {
                 lean(invisible)
             } else {
                 ErrorBound::absolute(invisible)

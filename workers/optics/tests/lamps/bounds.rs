@@ -74,7 +74,10 @@ fn surface_shares(range: &Plane<f32>, lighting: &lamp::Lighting) -> Shares {
 fn largest_ratio(fast: &Rgb<f32>, exact: &Rgb<f64>, bound: ErrorBound) -> f64 {
     let planes = fast.planes().into_iter().zip(exact.planes());
     let samples = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));
-    let ratios = samples.map(|(&fast, &exact)| (f64::from(fast) - exact).abs() / bound.bound_sample(exact));
+    let ratios = samples
+        .map(|(&fast, &exact)| ((f64::from(fast) - exact).abs(), bound.bound_sample(exact)))
+        .filter(|(error, _)| *error != 0.0)
+        .map(|(error, bound)| error / bound);
     ratios.fold(0.0, |most, ratio| if ratio <= most { most } else { ratio })
 }
 

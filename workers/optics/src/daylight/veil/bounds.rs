@@ -22,13 +22,15 @@ const OPAQUE: f64 = 87.0;
 const UNDERFLOW: f64 = 1e-30;
 
 impl SunnyWater {
-    /// 1 − cos of the angles to the sun of the rays at this cosine from the vertical that are nearest to it and farthest from it.
+    /// 1 − cos of the angles to the sun of the rays at this cosine from the vertical that are nearest to it and farthest from it. No ray
+    /// of the picture is nearer than `nearest`.
     fn versines(&self, rise: f64) -> [f64; 2] {
         let across = ((1.0 - rise * rise) * (1.0 - self.rise * self.rise))
             .max(0.0)
             .sqrt();
         let cosine = rise * self.rise;
-        [(1.0 - cosine - across).max(0.0), 1.0 - cosine + across]
+        let farthest = 1.0 - cosine + across;
+        [(1.0 - cosine - across).max(self.nearest.min(farthest)), farthest]
     }
 }
 

@@ -32,10 +32,7 @@ fn coastal(depth: f64, share: f64, gaze: &Gaze) -> VeilOf {
         light: 0.7,
         depth: depth.max(SHALLOWEST),
         below: place.bottom.map_or(f64::INFINITY, |bottom| bottom.below_m),
-        sun: sun.map(|sun| SunnyWater {
-            toward: sun.toward(gaze),
-            rise: sun.rise,
-        }),
+        sun: sun.map(|sun| SunnyWater::seen_by(gaze, &sun)),
     }
 }
 

@@ -26,6 +26,8 @@ const SWOLLEN: f64 = 6.0;
 const MOST_SWELL: f64 = 1.617;
 /// Rounding of f32 in the position on an interpolated ray, as a share of the ray.
 const PLACE: f64 = 1e-6;
+/// Errors that are a greater share of the light are absolute: such light is dark, and the share would hold for all of the picture.
+const MOST_RELATIVE: f64 = 1e-5;
 /// Two cells of an interpolated ray, in angle about the lamp: the one that a pixel ends in, and one more for rays beside it. A cell is
 /// a sixteenth of w at most, and the angle changes by four times w at most.
 const END_CELLS: f64 = 2.0 * 4.0 / 16.0;
@@ -205,10 +207,14 @@ impl<'a> Bounded<'a> {
         let ends = most * (ANGLE * STEP + self.way_m / self.away_m.max(beside))
             + at_end * ((ANGLE + 1.0) * STEP + self.way_m / least_end)
             + self.read(in_end_cells);
-        glow.rounding = ErrorBound {
-            absolute: source[1] * (ends / beside + errors),
-            relative: self.shares(&passing, factors, farthest),
+        let shares = self.shares(&passing, factors, farthest);
+        let greatest = glow.light.into_iter().fold(0.0, f64::max);
+        let factors = if shares <= MOST_RELATIVE {
+            ErrorBound::relative(shares)
+        } else {
+            ErrorBound::absolute(shares * greatest)
         };
+        glow.rounding = factors.plus(ErrorBound::absolute(source[1] * (ends / beside + errors)));
         glow
     }
 
