@@ -72,7 +72,7 @@ fn surface_shares(range: &Plane<f32>, lighting: &lamp::Lighting) -> Shares {
 
 /// The largest error of a sample over its bound.
 fn largest_ratio(fast: &Rgb<f32>, exact: &Rgb<f64>, bound: ErrorBound) -> f64 {
-    let planes = fast.planes().into_iter().zip(exact.planes());
+    let planes = fast.planes().iter().zip(exact.planes());
     let samples = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));
     let ratios = samples
         .map(|(&fast, &exact)| ((f64::from(fast) - exact).abs(), bound.bound_sample(exact)))
