@@ -54,10 +54,12 @@ pub fn frame_tolerance(
     }
 }
 
-/// A tolerance that grows with the light, without exceeding one code or `invisible` anywhere: a code is as wide as `invisible` at
-/// some light, from there on it is wider than any line up to half of a code in white.
+/// A tolerance that grows with the light, without exceeding one code or `invisible` anywhere: at some light a code is as wide as
+/// `invisible`, and beyond it is wider than any line up to half of a code in white. The slope of the curve counts at the light less
+/// the error.
 fn lean(invisible: f64) -> ErrorBound {
-    let wide = (invisible / WHITE_CODE).powf(1.0 / -SLOPE_POWER).clamp(FOOT, 1.0);
+    let wide = (invisible / WHITE_CODE).powf(1.0 / -SLOPE_POWER).max(FOOT);
+    let wide = (wide + invisible).min(1.0);
     ErrorBound {
         absolute: invisible - RELATIVE * wide,
         relative: RELATIVE,
@@ -219,4 +221,32 @@ pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: u
         return contrast * -(-direct * farthest).exp_m1();
     }
     bright * -(-direct * farthest).exp_m1() + veil * -(-back * farthest).exp_m1()
+}
+
+#[cfg(test)]
+mod tests {
+    use imaging::transfer;
+
+    use super::*;
+
+    /// Light steps of the check.
+    const STEPS: usize = 2000;
+
+    #[test]
+    fn a_tolerance_that_grows_with_light_is_never_visible() {
+        for invisible in [DARK, 4.5e-4, 2e-3, 8e-3, 0.02] {
+            let tolerance = lean(invisible);
+            assert!(tolerance.absolute > 0.5 * invisible, "{tolerance:?}");
+            for step in 0..=STEPS {
+                let light = (step as f64 / STEPS as f64).powi(3);
+                let error = tolerance.bound_sample(light);
+                let code = |light: f64| 255.0 * transfer::encode(light.clamp(0.0, 1.0));
+                let codes = code(light) - code(light - error);
+                assert!(
+                    codes <= 1.0 + 1e-9 || error <= invisible,
+                    "{invisible} at {light}: {codes}"
+                );
+            }
+        }
+    }
 }

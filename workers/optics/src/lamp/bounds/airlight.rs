@@ -28,8 +28,8 @@ const MOST_SWELL: f64 = 1.617;
 const PLACE: f64 = 1e-6;
 /// Errors that are a greater share of the light are absolute: such light is dark, and the share would hold for all of the picture.
 const MOST_RELATIVE: f64 = 1e-5;
-/// Two cells of an interpolated ray, in angle about the lamp: the one that a pixel ends in, and one more for rays beside it. A cell is
-/// a sixteenth of w at most, and the angle changes by four times w at most.
+/// Two cells of an interpolated ray, in angle about the lamp: the one that a pixel ends in, and one more for the rays around it. A cell
+/// is a sixteenth of w at most, and the angle changes by four times w at most.
 const END_CELLS: f64 = 2.0 * 4.0 / 16.0;
 /// Error of the blurred profile in f32: alone, and by the slope of the profile.
 const BLUR: [f64; 2] = [1e-6, 4e-7];

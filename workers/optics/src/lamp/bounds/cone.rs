@@ -132,7 +132,7 @@ impl Passing {
         ((range_m - self.central_m) / beside).atan()
     }
 
-    /// Least range of a point that lies this angle about the lamp before a range, on any ray.
+    /// Least range, on any ray, of the point from which the direction to the lamp turns by this angle up to a range.
     ///
     /// On a ray that passes the lamp at the distance D and the range t it is `t + D (x − D tan a)/(D + x tan a)`, with x the range
     /// behind t. In D, and in t, this rises to one maximum, so the extreme rays bound it.
